@@ -11,6 +11,7 @@
 #include <pugixml.hpp>
 
 #include "sightline/apps/common/model.h"
+#include "sightline/apps/viewpoints/bcf_lines.h"
 #include "sightline/apps/viewpoints/bcf_topics.h"
 #include "sightline/core/internal/ascii_case.h"
 
@@ -21,13 +22,8 @@ constexpr std::uint64_t kMostArchiveBytes = std::uint64_t(256) << 20;  // of all
 constexpr std::string_view kPng("\x89PNG\r\n\x1a\n", 8);
 // --- reading ---------------------------------------------------------------------------------------------------------
 
-std::optional<core::dvec3> vector_of(const Node& node) {
-  const auto x = number_of(node.child("X")), y = number_of(node.child("Y")), z = number_of(node.child("Z"));
-  return x && y && z ? std::optional(core::dvec3(*x, *y, *z)) : std::nullopt;
-}
-
 std::optional<core::dvec3> direction_of(const Node& node) {
-  const auto v = vector_of(node);
+  const auto v = xyz_of(node);
   const double length = v ? glm::length(*v) : 0.0;
   return length > 1e-100 && std::isfinite(length) ? std::optional(*v / length) : std::nullopt;
 }
@@ -38,7 +34,7 @@ std::optional<Viewpoint> camera_of(const Node& root) {
   const Node parallel = root.child("OrthogonalCamera");
   view.orthographic = bool(parallel);
   const Node camera = parallel ? parallel : root.child("PerspectiveCamera");
-  const auto eye = vector_of(camera.child("CameraViewPoint"));
+  const auto eye = xyz_of(camera.child("CameraViewPoint"));
   const auto ahead = direction_of(camera.child("CameraDirection"));
   if (!eye || !ahead) return std::nullopt;
   view.fovy = kFovy;
@@ -64,21 +60,11 @@ std::optional<Viewpoint> camera_of(const Node& root) {
 std::vector<core::Plane> planes_of(const Node& root) {
   std::vector<core::Plane> planes;
   for (const Node& node : root.child("ClippingPlanes").children("ClippingPlane")) {
-    const auto location = vector_of(node.child("Location")), direction = direction_of(node.child("Direction"));
+    const auto location = xyz_of(node.child("Location")), direction = direction_of(node.child("Direction"));
     if (!location || !direction || planes.size() == core::kMaxSectionPlanes) continue;
     planes.push_back({-*direction, glm::dot(*direction, *location)});
   }
   return planes;
-}
-
-/// Without words: BCF has none for its lines.
-std::vector<Measurement> lines_of(const Node& root) {
-  std::vector<Measurement> lines;
-  for (const Node& node : root.child("Lines").children("Line")) {
-    const auto from = vector_of(node.child("StartPoint")), to = vector_of(node.child("EndPoint"));
-    if (from && to) lines.push_back({*from, *to, ""});
-  }
-  return lines;
 }
 
 /// None where it has no name at all.
@@ -173,7 +159,7 @@ core::Expected<bool> Reader::viewpoint(const Node& markup, const std::string& gu
   auto view = camera_of(root);
   if (!view) return false;
   view->sections = planes_of(root);
-  view->measurements = lines_of(root);
+  take_lines(root, entry(marks_file(name)), *view);
   view->shown = shown_of(root);
   view->name = topic.child("Title").text().get();
   view->author = topic.child("CreationAuthor").text().get();

@@ -2,8 +2,8 @@
 //
 // A view's name is the topic's title, its comment the topic's comment. Components are named by node paths: their
 // AuthoringToolId is to_text() of the part (item_names.h), their OriginatingSystem "Sightline", and their IfcGuid that
-// of the node's attributes, if there is one. Faint items are components with a colour of low alpha. BCF keeps no target
-// and no near plane of cameras.
+// of the node's attributes, if there is one. Measurements and mark-ups are lines (bcf_lines.h). Faint items are
+// components with a colour of low alpha. BCF keeps no target and no near plane of cameras.
 //
 // A view that was read keeps all of its topic (Viewpoint::origin): what this library does not show, such as labels,
 // bitmaps, documents and comments of others, is written with it again, and so are topics without a view. Words below a

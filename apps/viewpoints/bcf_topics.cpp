@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <string>
 #include <string_view>
@@ -21,6 +22,34 @@ std::optional<double> number_of(const Node& node) {
   const bool good = !text.empty() && read.ec == std::errc() && read.ptr == text.data() + text.size();
   return good && std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
+
+std::optional<core::dvec3> xyz_of(const Node& node) {
+  const auto x = number_of(node.child("X")), y = number_of(node.child("Y")), z = number_of(node.child("Z"));
+  return x && y && z ? std::optional(core::dvec3(*x, *y, *z)) : std::nullopt;
+}
+
+std::string number(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+std::string printable(std::string text) {
+  for (char& c : text)
+    if (std::uint8_t(c) < 32 && c != '\t' && c != '\n' && c != '\r') c = ' ';
+  return text;
+}
+
+void add_text(Node parent, const char* name, const std::string& text) {
+  parent.append_child(name).text().set(printable(text).c_str());
+}
+
+void add_vector(Node parent, const char* name, const core::dvec3& v) {
+  Node node = parent.append_child(name);
+  add_text(node, "X", number(v.x));
+  add_text(node, "Y", number(v.y));
+  add_text(node, "Z", number(v.z));
+}
+
 std::vector<Node> viewpoints_of(const Node& markup) {
   std::vector<Node> nodes;
   const auto topic = markup.child("Topic").child("Viewpoints").children("ViewPoint");  // of BCF 3.0

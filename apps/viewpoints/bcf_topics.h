@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -33,6 +34,14 @@ struct BcfOrigin {
 };
 
 std::optional<double> number_of(const Node& node);
+/// Of X, Y and Z; none where one is missing.
+std::optional<core::dvec3> xyz_of(const Node& node);
+/// So that reading gives the same number.
+std::string number(double value);
+/// XML 1.0 has no control characters but tab and ends of lines.
+std::string printable(std::string text);
+void add_text(Node parent, const char* name, const std::string& text);
+void add_vector(Node parent, const char* name, const core::dvec3& v);
 
 /// Whether a colour stands for a faint component: one of low alpha.
 bool is_faint(const Node& colour);

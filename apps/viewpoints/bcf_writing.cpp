@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -8,6 +7,7 @@
 #include <vector>
 
 #include "sightline/apps/viewpoints/bcf.h"
+#include "sightline/apps/viewpoints/bcf_lines.h"
 #include "sightline/apps/viewpoints/bcf_topics.h"
 #include "sightline/core/internal/ascii_case.h"
 #include "sightline/core/internal/hash.h"
@@ -31,29 +31,6 @@ std::string derived_guid(const std::string& guid, std::string_view what) {
   derived[16] = "89ab"[derived[16] & 3];
   for (const std::size_t at : {20, 16, 12, 8}) derived.insert(at, 1, '-');
   return derived;
-}
-
-std::string number(double value) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr};
-}
-
-/// XML 1.0 has no control characters but tab and ends of lines.
-std::string printable(std::string text) {
-  for (char& c : text)
-    if (std::uint8_t(c) < 32 && c != '\t' && c != '\n' && c != '\r') c = ' ';
-  return text;
-}
-
-void add_text(Node parent, const char* name, const std::string& text) {
-  parent.append_child(name).text().set(printable(text).c_str());
-}
-
-void add_vector(Node parent, const char* name, const core::dvec3& v) {
-  Node node = parent.append_child(name);
-  add_text(node, "X", number(v.x));
-  add_text(node, "Y", number(v.y));
-  add_text(node, "Z", number(v.z));
 }
 
 void add_components(Node parent, const std::vector<PartName>& parts) {
@@ -89,16 +66,6 @@ void add_camera(Node root, const Viewpoint& view) {
     add_text(camera, "FieldOfView", number(glm::degrees(view.fovy)));
 }
 
-void add_lines(Node root, const std::vector<Measurement>& measurements) {
-  if (measurements.empty()) return;
-  Node list = root.append_child("Lines");
-  for (const Measurement& one : measurements) {
-    Node node = list.append_child("Line");
-    add_vector(node, "StartPoint", one.from);
-    add_vector(node, "EndPoint", one.to);
-  }
-}
-
 /// A plane's direction is where it cuts away.
 void add_planes(Node root, const std::vector<core::Plane>& planes) {
   if (planes.empty()) return;
@@ -131,7 +98,7 @@ std::string version_text() {
 void put_view(Node root, const Viewpoint& view) {
   if (view.shown) add_shown(root, *view.shown);
   add_camera(root, view);
-  add_lines(root, view.measurements);
+  add_lines(root, view);
   add_planes(root, view.sections);
 }
 
@@ -327,6 +294,15 @@ class Rewriter {
     std::ostringstream text;
     document.save(text, " ");
     out = text.str();
+    put_marks(view);
+  }
+
+  void put_marks(const Viewpoint& view) {
+    const std::string path = view.origin->folder + marks_file(view.origin->file), text = marks_text(view);
+    if (text.empty())
+      outdated_.insert(path);
+    else
+      (*entries_)[path] = text;
   }
 
   /// Hints and colours of components, but for those of faint ones, which the view has.
@@ -383,7 +359,7 @@ class Rewriter {
         return what.ends_with('/') ? path.starts_with(what) : path == what;
       });
       const bool version = path == "bcf.version" && !keep_version_;
-      if (!gone && !version) entries_->try_emplace(path, bytes);
+      if (!gone && !version && !outdated_.contains(path)) entries_->try_emplace(path, bytes);
     }
   }
 
@@ -391,6 +367,7 @@ class Rewriter {
   void take_view(const BcfArchive& archive, const std::string& folder, const std::string& file,
                  std::set<std::string>& dropped) {
     dropped.insert(folder + file);
+    dropped.insert(folder + marks_file(file));
     for (Node node : viewpoints_of(markup_of(archive, folder).child("Markup")))
       if (node.child("Viewpoint").text().get() == file) {
         dropped.insert(folder + node.child("Snapshot").text().get());
@@ -402,6 +379,7 @@ class Rewriter {
   bool keep_version_;
   std::map<Key, pugi::xml_document> markups_;
   std::map<Key, std::set<std::string>> present_;
+  std::set<std::string> outdated_;  // files of marks that views no longer have
   std::set<std::shared_ptr<const BcfArchive>> archives_;
 };
 
@@ -423,6 +401,8 @@ core::Expected<std::string> format_bcf(std::span<const Viewpoint> views) {
     if (entries.contains(guid + "/markup.bcf")) guid = derived_guid(guid, std::to_string(i));
     entries[guid + "/markup.bcf"] = markup_text(views[i], guid, i);
     entries[guid + "/viewpoint.bcfv"] = viewpoint_text(views[i], derived_guid(guid, "viewpoint"));
+    if (const std::string marks = marks_text(views[i]); !marks.empty())
+      entries[guid + "/" + marks_file("viewpoint.bcfv")] = marks;
     if (!views[i].snapshot.empty())
       entries[guid + "/snapshot.png"].assign(views[i].snapshot.begin(), views[i].snapshot.end());
   }

@@ -262,6 +262,117 @@ TEST(ViewListTest, TopicsOfOtherProgramsStayWhole) {
   EXPECT_EQ(again->views[0].snapshot, view.snapshot);
 }
 
+Viewpoint marked_view() {
+  using Kind = Markup::Kind;
+  Viewpoint view = view_of(1, false);
+  view.measurements = {{{1, 2, 3}, {1.1, 2.7, 3}, "edge to edge"}};
+  view.markups = {{Kind::kArrow, {{12.1, -18.3, 1e5}, {12.7, -18.9, 1e5 + 0.1}}, "too near"},
+                  {Kind::kCloud, {{11, -19, 1e5}, {12, -18, 1e5}, {12, -18, 1e5 + 1}, {11, -19, 1e5 + 1}}, ""},
+                  {Kind::kText, {{12, -18, 1e5}}, "Näher <ansehen>"},
+                  {Kind::kLine, {{0.1, 0, 0}, {1, 0, 0}, {1, 1, 0.7}}, ""}};
+  return view;
+}
+
+TEST(ViewListTest, MarkUpsComeBackFromBcf) {
+  for (const bool orthographic : {false, true}) {
+    Viewpoint written = marked_view();
+    written.orthographic = orthographic;
+    const auto bytes = format_bcf(std::vector{written, view_of(2, true)});
+    ASSERT_TRUE(bytes) << bytes.error().message;
+    auto read = parse_bcf(*bytes, "file");
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->views[0].markups, written.markups);
+    EXPECT_EQ(read->views[0].measurements, written.measurements);
+    EXPECT_TRUE(read->views[1].markups.empty());
+    // Written again, with another camera: lines are there once.
+    read->views[0].pose.eye.x += 1.0;
+    const auto again = parse_bcf(*format_bcf(read->views), "file");
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(again->views[0].markups, written.markups);
+    EXPECT_EQ(again->views[0].measurements, written.measurements);
+    // Without marks the file that tells of them is gone, too.
+    read->views[0].markups.clear();
+    read->views[0].measurements.clear();
+    const auto bare = unzip(*format_bcf(read->views), 1u << 30);
+    EXPECT_FALSE(bare->contains(written.guid + "/viewpoint.sightline.json"));
+    EXPECT_EQ(occurrences(bare->at(written.guid + "/viewpoint.bcfv"), "<Line>"), 0u);
+  }
+}
+
+/// Other programs show arrows and clouds as lines; they may take some away.
+TEST(ViewListTest, MarkUpsAreLinesOfBcf) {
+  const Viewpoint written = marked_view();
+  ZipEntries entries = *unzip(*format_bcf(std::vector{written}), 1u << 30);
+  std::string& file = entries.at(written.guid + "/viewpoint.bcfv");
+  EXPECT_GT(occurrences(file, "<Line>"), 1u + 3u + 24u + 2u);
+  EXPECT_LT(file.find("<Lines>"), file.find("<ClippingPlanes>")) << "in the order of the schema";
+  const std::size_t begin = file.find("<Line>", file.find("<Line>") + 1);  // the arrow's first
+  file.erase(begin, file.find("</Line>", begin) + std::string("</Line>").size() - begin);
+  const auto read = parse_bcf(*zip(entries), "file");
+  ASSERT_TRUE(read) << read.error().message;
+  const std::vector<Markup>& markups = read->views[0].markups;
+  ASSERT_EQ(markups.size(), 4u);
+  EXPECT_EQ(markups[0], written.markups[1]) << "all but the arrow";
+  EXPECT_EQ(markups[3].kind, Markup::Kind::kLine) << "the arrow's head is left";
+  EXPECT_EQ(markups[3].points.size(), 3u);
+}
+
+TEST(ViewListTest, DamagedMarksLeaveLines) {
+  const Viewpoint written = marked_view();
+  const ZipEntries good = *unzip(*format_bcf(std::vector{written}), 1u << 30);
+  const std::string name = written.guid + "/viewpoint.sightline.json";
+  ASSERT_TRUE(good.contains(name));
+  for (const std::string& damaged : {std::string(), std::string("{"), good.at(name).substr(0, good.at(name).size() / 2),
+                                     std::string("{\"views\":[]}"), std::string(100000, '[')}) {
+    ZipEntries entries = good;
+    entries[name] = damaged;
+    auto read = parse_bcf(*zip(entries), "file");
+    ASSERT_TRUE(read) << read.error().message;
+    const std::vector<Markup>& markups = read->views[0].markups;
+    EXPECT_GE(markups.size(), 4u) << "measurement, shaft, head, cloud, line";
+    for (const Markup& one : markups) EXPECT_EQ(one.kind, Markup::Kind::kLine);
+    // Words alone make the file anew.
+    read->views[0].markups.push_back({Markup::Kind::kText, {{0, 0, 0}}, "new"});
+    const auto again = parse_bcf(*format_bcf(read->views), "file");
+    ASSERT_TRUE(again);
+    EXPECT_EQ(again->views[0].markups, read->views[0].markups);
+  }
+}
+
+TEST(ViewListTest, LinesOfOtherProgramsAreMarkUps) {
+  const auto line = [](const char* from, const char* to) {
+    return std::string("<Line><StartPoint><X>") + from + "</X><Y>0</Y><Z>0</Z></StartPoint><EndPoint><X>" + to +
+           "</X><Y>0</Y><Z>0</Z></EndPoint></Line>";
+  };
+  ZipEntries before = foreign_entries();
+  std::string& file = before["topic/Viewpoint_v1.bcfv"];
+  file.insert(file.find("<ClippingPlanes>"),
+              "<Lines>" + line("1", "2.50") + line("2.5", "4") + line("7", "8") + "<Line><StartPoint/></Line></Lines>");
+  auto read = parse_bcf(*zip(before), "file");
+  ASSERT_TRUE(read) << read.error().message;
+  Viewpoint& view = read->views[0];
+  ASSERT_EQ(view.markups.size(), 2u);
+  EXPECT_EQ(view.markups[0].points, (std::vector<core::dvec3>{{1, 0, 0}, {2.5, 0, 0}, {4, 0, 0}}));
+  EXPECT_EQ(view.markups[1].kind, Markup::Kind::kLine);
+  EXPECT_TRUE(view.measurements.empty());
+  const auto same = unzip(*format_bcf(read->views), 1u << 30);
+  EXPECT_EQ(same->at("topic/Viewpoint_v1.bcfv"), file) << "untouched";
+  view.markups.push_back({Markup::Kind::kArrow, {{0, 0, 0}, {1, 0, 0}}, "look"});
+  const auto bytes = format_bcf(read->views);
+  const auto changed = unzip(*bytes, 1u << 30);
+  EXPECT_EQ(occurrences(changed->at("topic/Viewpoint_v1.bcfv"), "<Line>"), 3u + 3u);
+  EXPECT_NE(changed->at("topic/Viewpoint_v1.bcfv").find("SpacesVisible"), std::string::npos);
+  const auto again = parse_bcf(*bytes, "file");
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->views[0].markups, view.markups);
+  // A view that is taken from the list takes its file with it.
+  read->views.erase(read->views.begin());
+  EXPECT_FALSE(unzip(*format_bcf(read->views), 1u << 30)->contains("topic/Viewpoint_v1.sightline.json"));
+  auto other = *again;
+  other.views.erase(other.views.begin());
+  EXPECT_FALSE(unzip(*format_bcf(other.views), 1u << 30)->contains("topic/Viewpoint_v1.sightline.json"));
+}
+
 /// With views of our own beside them, topics of BCF 3.0 become such of 2.1.
 TEST(ViewListTest, TopicsOfAnotherVersionAreTranslated) {
   const std::string camera = R"(<VisualizationInfo Guid="v"><PerspectiveCamera><CameraViewPoint><X>0</X><Y>0</Y><Z>0</Z>
