@@ -1,8 +1,10 @@
 #include "sightline/apps/view/export.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <utility>
+#include <vector>
 
 #include "sightline/apps/common/view_options.h"
 
@@ -94,15 +96,23 @@ core::Expected<void> Export::begin_frame() {
         !done)
       return done;
   file_ = std::move(*opened);
+  if (options_.marks) marks_ = options_.marks(*view, options_.size);
   image_.emplace(*view, tiles_, TiledImage::Wanted{.shifts = shifts_});
   return {};
+}
+
+core::Expected<void> Export::write(const ImageRows& rows) {
+  if (marks_.empty()) return file_->write_rows(rows.colours);
+  std::vector<std::uint8_t> marked = rows.colours;
+  marks_.paint(marked, rows.width, rows.first);
+  return file_->write_rows(marked);
 }
 
 core::Expected<void> Export::step() {
   const auto more = image_->step(session_->engine);
   if (!more) return tl::unexpected(more.error());
   if (*more)
-    if (auto done = file_->write_rows(image_->rows().colours); !done) return done;
+    if (auto done = write(image_->rows()); !done) return done;
   if (!image_->complete()) return {};
   if (auto done = file_->finish(); !done) return done;
   blank_ = blank_ && !image_->covered();

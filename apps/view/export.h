@@ -6,6 +6,7 @@
 #include <string>
 
 #include "sightline/apps/common/tiled_image.h"
+#include "sightline/apps/view/painting.h"
 #include "sightline/apps/view/session.h"
 
 namespace sightline::apps {
@@ -18,6 +19,7 @@ class Export {
   struct Options {
     std::array<int, 2> size{};
     bool smooth = true;  ///< edges, where the session smooths them at rest
+    Painter marks = {};  ///< over each image; empty: none
   };
 
   /// One image. Fails where the file cannot be written.
@@ -46,6 +48,7 @@ class Export {
   Export(Session& session, const Options& options, std::string target);
   static core::Expected<std::unique_ptr<Export>> create(Session& session, const Options& options, std::string target);
   core::Expected<void> begin_frame();
+  core::Expected<void> write(const ImageRows& rows);
 
   Session* session_;
   Options options_;
@@ -56,6 +59,7 @@ class Export {
   engine::ImageTiles tiles_;
   std::vector<core::dvec2> shifts_;
   std::optional<TiledImage> image_;  // of the frame that is being drawn
+  Painting marks_;
   std::optional<image::PngWriter> file_;
   image::Image before_;
   double budget_ms_ = 0.0;

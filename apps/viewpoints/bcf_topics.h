@@ -34,7 +34,7 @@ struct BcfOrigin {
 };
 
 std::optional<double> number_of(const Node& node);
-/// Of X, Y and Z; none where one is missing.
+/// The point that X, Y and Z are; none where one is missing.
 std::optional<core::dvec3> xyz_of(const Node& node);
 /// So that reading gives the same number.
 std::string number(double value);

@@ -15,7 +15,7 @@ inline bool is_point(const json::Value& json) {
   return json.is_array() && json.size() == 3 &&
          std::all_of(json.begin(), json.end(), [](const json::Value& number) { return number.is_number(); });
 }
-/// Of a value that is one.
+/// The value must be one.
 inline core::dvec3 point_of(const json::Value& json) {
   return {json[0].get<double>(), json[1].get<double>(), json[2].get<double>()};
 }

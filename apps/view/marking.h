@@ -1,0 +1,59 @@
+// The mark-ups of what the viewer shows now, and how points of the image make one.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sightline/apps/viewpoints/markup.h"
+#include "sightline/core/error.h"
+#include "sightline/core/view.h"
+
+namespace sightline::apps {
+
+class Marking {
+ public:
+  /// What is drawn next: an arrow, a cloud or a text, and its words.
+  Markup::Kind kind = Markup::Kind::kArrow;
+  std::string words;
+
+  const std::vector<Markup>& list() const { return list_; }
+  void set(std::vector<Markup> list) { list_ = std::move(list); }
+  void add(Markup markup) { list_.push_back(std::move(markup)); }
+  void remove(std::size_t index) { list_.erase(list_.begin() + std::ptrdiff_t(index)); }
+  void clear() { list_.clear(); }
+
+ private:
+  std::vector<Markup> list_;
+};
+
+/// The direction in which an image looks, through its middle.
+core::dvec3 direction_of(const core::View& view);
+
+/// An image and a plane parallel to it, on which mark-ups lie.
+struct MarkupPlane {
+  core::View view;
+  std::array<int, 2> size{};  ///< of the image, pixels
+  core::dvec3 through{0.0};   ///< a point of the plane
+
+  /// The point below a pixel, from the image's upper left corner. Fails where the plane is not before the eye there.
+  core::Expected<core::dvec3> at(const core::dvec2& pixel) const;
+};
+
+/// The mark-up that a drag makes: an arrow has its tip where the drag begins, a cloud lies between both ends, with its
+/// first corner on the upper left; a text lies at the beginning. Fails where a text has no words, and as
+/// MarkupPlane::at() does.
+core::Expected<Markup> drawn_markup(Markup::Kind kind, const std::string& words, const MarkupPlane& plane,
+                                    const core::dvec2& from, const core::dvec2& to);
+
+/// A script's "arrow X Y X Y [words]", "cloud X Y X Y [words]" or "text X Y words", in pixels of the window.
+struct AskedMarkup {
+  Markup::Kind kind = Markup::Kind::kArrow;
+  core::dvec2 from{0.0}, to{0.0};  ///< equal for texts
+  std::string words;
+};
+core::Expected<AskedMarkup> parse_markup(const std::string& text);
+
+}  // namespace sightline::apps
