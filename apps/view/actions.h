@@ -49,9 +49,9 @@ Done remove_section(const std::string& number, Session& session);
 
 // The list of viewpoints. An empty name or number stands for the current view.
 
-Done add_view(const std::string& name, Session& session, ViewList& views, Shown& shown);
+Done add_view(Workspace& work, const std::string& name);
 Done show_view(const std::string& which, Session& session, ViewList& views, Messages& messages);
-Done update_view(const std::string&, Session& session, ViewList& views);
+Done update_view(Workspace& work, const std::string&);
 Done rename_view(const std::string& name, ViewList& views);
 Done comment_view(const std::string& text, ViewList& views);
 Done set_view_status(const std::string& text, ViewList& views);
@@ -92,26 +92,36 @@ json::Value compare_json(const Session& session);
 /// Says in words what has changed.
 std::string summary(const ChangeList& changes);
 
+// Mark-ups.
+
+/// Draws one: parse_markup(). Without an argument, takes the tool or puts it away.
+Done mark(Workspace& work, const std::string& argument);
+Done remove_markup(const std::string& number, Session& session);
+/// Whether a drag draws a mark-up, instead of moving the camera.
+bool draws_markup(const Workspace& work, const Gestures::Drag& drag);
+/// The one that such a drag draws.
+core::Expected<Markup> markup_of(const Workspace& work, const Gestures::Drag& drag);
+/// Places a text, or says how others are drawn.
+void mark_clicked(Workspace& work, const core::dvec2& at);
+
 // Images, camera paths and frames of videos.
 
 /// "FILE [WxH]", both optional: in the window's size at once, or in any size in steps.
-Done write_image(const std::string& argument, Session& session, const Shown& shown, Exports& exports,
-                 Messages& messages);
+Done write_image(Workspace& work, const std::string& argument);
 /// Writes the image at once, in the window's size; without a name the next free one.
-Done write_screenshot(const std::string& file, Session& session, const Shown& shown, Messages& messages);
+Done write_screenshot(Workspace& work, const std::string& file);
 /// Begins to record a camera path, or ends that and writes it.
 Done toggle_recording(Workspace& work, const std::string&);
 /// "FILE", or nothing for the path that was played or recorded last.
 Done play_path(const std::string& file, Session& session, PathPlayer& player, Gestures& gestures, Messages& messages);
 Done set_path_speed(const std::string& factor, PathPlayer& player);
 /// "FOLDER [FPS] [WxH]": frames of the path that was played or recorded last.
-Done write_frames(const std::string& argument, Session& session, PathPlayer& player, const Shown& shown,
-                  Exports& exports);
+Done write_frames(Workspace& work, const std::string& argument);
 
 /// The path that was played or recorded last, in the model's own frame. Without a name the dialog asks for one.
 Done save_path(const std::string& file, Session& session, PathPlayer& player, Shown& shown, Messages& messages);
 
-void image_options(Workspace& work);  ///< size of the image
+void image_options(Workspace& work);  ///< size of the image, and whether it has marks
 /// In the sizes that dialogs have asked for.
 Done write_sized_image(Workspace& work, const std::string& file);
 Done write_sized_frames(Workspace& work, const std::string& folder);

@@ -10,6 +10,7 @@
 #include "sightline/apps/common/view_options.h"
 #include "sightline/apps/common/write_model.h"
 #include "sightline/apps/view/actions.h"
+#include "sightline/apps/view/image_marks.h"
 #include "sightline/apps/view/needs.h"
 #include "sightline/apps/view/widgets.h"
 #include "sightline/importers/internal/extension.h"
@@ -105,29 +106,30 @@ void tell_of_export(const std::string& what) {
 
 }  // namespace
 
-Done write_image(const std::string& argument, Session& session, const Shown& shown, Exports& exports,
-                 Messages& messages) {
+Done write_image(Workspace& work, const std::string& argument) {
   std::string file = argument;
   const auto word = take_last_word(file, looks_like_size);
-  if (!word) return write_screenshot(file, session, shown, messages);
+  if (!word) return write_screenshot(work, file);
   const auto size = parse_size(*word);
   if (!size) return tl::unexpected(size.error());
-  if (auto good = without_slider(session); !good) return good;
+  if (auto good = without_slider(*work.session); !good) return good;
   if (file.empty()) file = free_name("screenshot", ".png");
-  return begin_export(Export::image(session, {*size, shown.smooth}, file), exports);
+  return begin_export(Export::image(*work.session, {*size, work.shown.smooth, image_marks(work)}, file), work.exports);
 }
 
-Done write_screenshot(const std::string& file, Session& session, const Shown& shown, Messages& messages) {
+Done write_screenshot(Workspace& work, const std::string& file) {
+  Session& session = *work.session;
   const std::string name = file.empty() ? free_name("screenshot", ".png") : file;
   if (const auto good = parse_png_name(name); !good) return tl::unexpected(good.error());
   const auto view = session.image.view();
   if (!view) return tl::unexpected(view.error());
   if (auto kept = check_sections(*view, session.engine.snapshot().bounds(), session.offset()); !kept) return kept;
-  const auto image = session.image.read(shown.smooth);
+  auto image = session.image.read(work.shown.smooth);
   if (!image) return tl::unexpected(image.error());
+  if (const Painter marks = image_marks(work)) marks(*view, {image->width, image->height}).paint(*image);
   if (auto done = image::write_png(*image, name); !done) return done;
   warn_if_blank(session.engine, session.image.visible(), name);
-  messages.tell("image: " + name);
+  work.messages.tell("image: " + name);
   return {};
 }
 
@@ -179,33 +181,35 @@ Done set_path_speed(const std::string& factor, PathPlayer& player) {
   return {};
 }
 
-Done write_frames(const std::string& argument, Session& session, PathPlayer& player, const Shown& shown,
-                  Exports& exports) {
+Done write_frames(Workspace& work, const std::string& argument) {
+  Session& session = *work.session;
   std::string folder = argument;
   const auto size_word = take_last_word(folder, looks_like_size), fps_word = take_last_word(folder, looks_like_number);
   const auto size = size_word ? parse_size(*size_word) : core::Expected<std::array<int, 2>>(session.image.size());
   if (!size) return tl::unexpected(size.error());
   if (folder.empty()) return core::fail("write-frames: expected FOLDER [FPS] [WIDTHxHEIGHT]");
-  const auto& path = player.path();
+  const auto& path = work.player.path();
   if (!path) return core::fail("record or play a camera path first");
   if (auto good = without_slider(session); !good) return good;
-  player.stop();
-  return begin_export(
-      Export::frames(session, {*size, shown.smooth}, *path, fps_word ? *parse_finite(*fps_word) : kFps, folder),
-      exports);
+  work.player.stop();
+  return begin_export(Export::frames(session, {*size, work.shown.smooth, image_marks(work)}, *path,
+                                     fps_word ? *parse_finite(*fps_word) : kFps, folder),
+                      work.exports);
 }
 
 void image_options(Workspace& work) {
   size_fields(*work.session, asked.image_size);
+  ImGui::Checkbox("with marks", &work.shown.image_marks);
+  ImGui::SameLine();
   wrapped_text("up to 16384x16384, drawn in tiles");
 }
 
 Done write_sized_image(Workspace& work, const std::string& file) {
-  return with<write_image>(work, file + " " + size_text(asked.image_size));
+  return write_image(work, file + " " + size_text(asked.image_size));
 }
 
 Done write_sized_frames(Workspace& work, const std::string& folder) {
-  return with<write_frames>(work, folder + " " + std::to_string(asked.fps) + " " + size_text(asked.video_size));
+  return write_frames(work, folder + " " + std::to_string(asked.fps) + " " + size_text(asked.video_size));
 }
 
 void path_window(Workspace& work) {

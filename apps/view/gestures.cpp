@@ -139,6 +139,7 @@ void Gestures::escape() {
   if (work_.shown.dialog != Dialog::kNone) return void(work_.shown.dialog = Dialog::kNone);
   if (work_.player.playing()) return work_.player.stop();
   if (work_.shown.tool == Tool::kMeasure && work_.session) work_.session->measuring.drop_mark();
+  if (drag_ && draws_markup(work_, *drag_)) return drag_.reset();
   if (work_.shown.tool != Tool::kSelect) return void(work_.shown.tool = Tool::kSelect);
   if (walking()) return set_walking(false);
   if (work_.session && work_.session->slider.at()) return work_.messages.tell_outcome(set_slider(work_, "off"));
@@ -174,6 +175,9 @@ void Gestures::release_button(const Event& event) {
     work_.session->engine.preparing_picks() ? void(click_ = drag) : click(drag);
   else if (!drag.moves && drag.button == GLFW_MOUSE_BUTTON_RIGHT)
     open_context_menu(drag.from);
+  else if (draws_markup(work_, drag))
+    work_.messages.tell_outcome(
+        markup_of(work_, drag).map([&](Markup&& markup) { work_.session->marking.add(std::move(markup)); }));
   else if (drag.button == GLFW_MOUSE_BUTTON_LEFT && (drag.mods & GLFW_MOD_CONTROL) != 0)
     select_rectangle(drag);
 }
@@ -201,6 +205,7 @@ void Gestures::move_cursor(const core::dvec2& to) {
   const core::dvec2 turn = kRadiansPerHeight * core::dvec2(by.x, -by.y);
   const bool left = drag_->button == GLFW_MOUSE_BUTTON_LEFT;
   if (left && (drag_->mods & GLFW_MOD_CONTROL) != 0) return;  // a rectangle
+  if (draws_markup(work_, *drag_)) return;
   if (drag_->button == GLFW_MOUSE_BUTTON_MIDDLE || (left && (drag_->mods & GLFW_MOD_SHIFT) != 0))
     camera.pan({by.x, -by.y}, drag_->point);
   else if (left)
@@ -219,6 +224,7 @@ void Gestures::set_mark(const core::dvec2& at) {
 
 void Gestures::click(const Drag& drag) {
   if (work_.shown.tool == Tool::kMeasure) return set_mark(drag.from);
+  if (work_.shown.tool == Tool::kMark) return mark_clicked(work_, drag.from);
   if (work_.shown.tool == Tool::kSection) {
     const auto done = cut_at(under(drag.from), *work_.session, work_.shown);
     if (!done) return work_.messages.tell_outcome(done);
@@ -274,13 +280,6 @@ void Gestures::select_rectangle(const Drag& drag) {
     items.insert(items.end(), taken.begin(), taken.end());
   const auto mode = (drag.mods & GLFW_MOD_SHIFT) != 0 ? SelectMode::kAdd : SelectMode::kReplace;
   work_.messages.tell_outcome(work_.session->document.select(items, mode));
-}
-
-void Gestures::draw_rectangle() const {
-  if (!drag_ || !drag_->moves || drag_->button != GLFW_MOUSE_BUTTON_LEFT || (drag_->mods & GLFW_MOD_CONTROL) == 0)
-    return;
-  const ImVec2 a(float(drag_->from.x), float(drag_->from.y)), b(float(drag_->last.x), float(drag_->last.y));
-  ImGui::GetForegroundDrawList()->AddRect(a, b, ImGui::GetColorU32({1.0f, 0.6f, 0.1f, 1.0f}), 0.0f, 0, 2.0f);
 }
 
 void Gestures::let_go() {

@@ -17,6 +17,14 @@ struct Workspace;
 
 class Gestures {
  public:
+  struct Drag {
+    int button = 0, mods = 0;
+    core::dvec2 from{0.0}, last{0.0};  // places of the window
+    core::dvec3 point{0.0};            // of the model, under the cursor where it began
+    bool moves = false;                // farther than a click may
+    bool slides = false;               // the slider of a comparison
+  };
+
   explicit Gestures(Workspace& work) : work_(work) {}
 
   void handle(const Event& event);
@@ -56,17 +64,9 @@ class Gestures {
   const SectionHandles& section_handles() const { return section_handles_; }
   std::optional<SectionHandles::Target> section_target() const;  ///< dragged, or else under the cursor
   bool over_slider() const;                                      ///< a press would drag it, or does
-  void draw_rectangle() const;                                   ///< that is being dragged
+  const std::optional<Drag>& drag() const { return drag_; }      ///< that goes on
 
  private:
-  struct Drag {
-    int button = 0, mods = 0;
-    core::dvec2 from{0.0}, last{0.0};
-    core::dvec3 point{0.0};  // of the model, under the cursor where it began
-    bool moves = false;      // farther than a click may
-    bool slides = false;     // the slider of a comparison
-  };
-
   void drop(const std::vector<std::string>& files);
   void press_key(const Event& event);
   void press_button(const Event& event);

@@ -13,7 +13,6 @@
 namespace sightline::apps {
 namespace {
 
-constexpr float kFontPixels = 15.0f;
 constexpr int kHighScreen = 1800;  // pixels; a window that high is on a 4K screen, whatever the display says
 constexpr const char* kFonts[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
                                   "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
@@ -128,20 +127,23 @@ void Gui::Destroy::operator()(ImGuiContext* context) const {
 
 Gui::~Gui() = default;
 
-/// Without DejaVu ImGui's own font, which has no accents and is coarse.
-void Gui::load_font() {
+ImFont* add_font(ImFontAtlas& atlas, float pixels) {
   ImFontConfig config;
   config.OversampleH = 2;
-  const float pixels = float(kFontPixels * scale_);
   static const ImWchar ranges[] = {0x20,   0x24f,  0x370,  0x3ff,  0x400,  0x45f,  0x2010, 0x2044,
                                    0x2190, 0x21ff, 0x2200, 0x22ff, 0x25a0, 0x25ff, 0};
   for (const char* file : kFonts) {
     std::error_code none;
-    if (std::filesystem::exists(file, none) && ImGui::GetIO().Fonts->AddFontFromFileTTF(file, pixels, &config, ranges))
-      return;
+    if (!std::filesystem::exists(file, none)) continue;
+    if (ImFont* font = atlas.AddFontFromFileTTF(file, pixels, &config, ranges)) return font;
   }
-  ImGui::GetIO().Fonts->AddFontDefault();
-  ImGui::GetIO().FontGlobalScale = float(scale_);
+  return atlas.AddFontDefault();
+}
+
+void Gui::load_font() {
+  const float pixels = float(kFontPixels * scale_);
+  add_font(*ImGui::GetIO().Fonts, pixels);
+  if (ImGui::GetIO().Fonts->ConfigData.back().SizePixels != pixels) ImGui::GetIO().FontGlobalScale = float(scale_);
 }
 
 void Gui::set_theme(Theme theme) {

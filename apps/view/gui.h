@@ -6,11 +6,17 @@
 
 #include "sightline/apps/view/window.h"
 
+struct ImFont;
+struct ImFontAtlas;
 struct ImGuiContext;
 
 namespace sightline::apps {
 
 enum class Theme { kDark, kLight };
+
+inline constexpr float kFontPixels = 15.0f;  ///< the height of text on a screen of usual density
+/// The font of panels, in that height. Without DejaVu it is ImGui's own, which has no accents and is coarse.
+ImFont* add_font(ImFontAtlas& atlas, float pixels);
 
 class Gui {
  public:

@@ -41,6 +41,7 @@ inline constexpr char kWalk[] =
     "D 9 2.5 1.9 M 9 5 L 8 9.5 L 11.5 15 M 8 9.5 L 4.5 15 M 4 9 L 6 6.3 L 9 5.2 L 11 8 L 13.5 8.5";
 inline constexpr char kMeasure[] =
     "M 1 11 L 11 1 L 15 5 L 5 15 Z M 3.7 8.3 L 5.5 10.1 M 6.2 5.8 L 8 7.6 M 8.7 3.3 L 10.5 5.1";
+inline constexpr char kMarkup[] = "M 2 14 L 3 10.5 L 11.5 2 L 14 4.5 L 5.5 13 Z M 9.5 4 L 12 6.5 M 8 14.5 L 15 14.5";
 inline constexpr char kSection[] =
     "M 1 8 L 8 4.5 L 15 8 L 8 11.5 F M 1 8 L 1 12 L 8 15.5 L 15 12 L 15 8 M 8 11.5 L 8 15.5 M 4 2 L 4 4.5 M 12 2 L 12 "
     "4.5";

@@ -44,6 +44,7 @@ inline constexpr Need kFound{[](Workspace& w) { return w.session->tree.match_cou
 inline constexpr Need kMarks{
     [](Workspace& w) { return !w.session->measuring.marks().empty() || !w.session->measuring.list().empty(); },
     "nothing is measured"};
+inline constexpr Need kMarkups{[](Workspace& w) { return !w.session->marking.list().empty(); }, "nothing is marked up"};
 inline constexpr Need kSection{[](Workspace& w) { return w.session->sections.selected().has_value(); },
                                "select a section first, in the tab Sections or by its handle"};
 inline constexpr Need kFace{[](Workspace& w) { return w.gestures.context_face().has_value(); },

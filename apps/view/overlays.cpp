@@ -3,9 +3,12 @@
 #include <string>
 #include <utility>
 
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
 #include <imgui.h>
 
 #include "sightline/apps/common/label_placement.h"
+#include "sightline/apps/view/overlay.h"
 #include "sightline/apps/view/panels.h"
 #include "sightline/apps/view/widgets.h"
 #include "sightline/apps/view/window.h"
@@ -18,32 +21,7 @@ constexpr float kMarkRadius = 5.0f, kPadding = 3.0f, kWide = 2.0f;  // pixels of
 
 constexpr float kLinePixels = 2.5f, kRimPixels = 1.5f;
 const ImVec4 kColour{1.0f, 0.62f, 0.1f, 1.0f}, kAimed{1.0f, 0.95f, 0.55f, 1.0f}, kRim{0.05f, 0.05f, 0.05f, 0.9f};
-const ImVec4 kArea{1.0f, 0.62f, 0.1f, 0.14f}, kShade{0.0f, 0.0f, 0.0f, 0.75f}, kWhite{1.0f, 1.0f, 1.0f, 1.0f};
-
-/// Points and lines of the model over the image, in pixels of the window. Draws below panels, menus and dialogs, and
-/// within the image.
-class Overlay {
- public:
-  /// `part`: where the image is. Until the destructor, drawing is clipped to it.
-  Overlay(const core::View& view, const Part& part);
-  ~Overlay();
-  Overlay(const Overlay&) = delete;
-  Overlay& operator=(const Overlay&) = delete;
-
-  ImDrawList& list() { return list_; }
-  /// None behind the eye.
-  std::optional<ImVec2> at(const core::dvec3& point) const;
-  /// The part of a line that lies before the eye.
-  void line(const core::dvec3& a, const core::dvec3& b, ImU32 colour, float pixels);
-
- private:
-  ImVec2 pixels(const core::dvec4& clip) const;
-
-  core::dmat4 clip_from_world_;
-  Part part_;
-  double window_height_;
-  ImDrawList& list_;
-};
+const ImVec4 kMarkColour{0.95f, 0.45f, 0.05f, 1.0f}, kArea{1.0f, 0.62f, 0.1f, 0.14f};
 
 /// Draws one section's handles. Every part has a dark rim, so that it shows on any image.
 class Pen {
@@ -119,6 +97,18 @@ void box_edges(const Session& session, const Part& part) {
                        rim ? 3.5f : 1.5f);
 }
 
+/// Words on a dark ground, where they cover nothing.
+void label(Overlay& overlay, const ImVec2& at, const std::string& words, LabelPlacement& labels) {
+  const Canvas& canvas = overlay.canvas();
+  const float padding = kPadding * canvas.scale;
+  const ImVec2 size = canvas.text_size(words);
+  const Rectangle place =
+      labels.place(double(at.x), double(at.y), double(size.x + 2.0f * padding), double(size.y + 2.0f * padding));
+  const ImVec2 from(float(place.left), float(place.top)), to(float(place.right), float(place.bottom));
+  overlay.list().AddRectFilled(from, to, ImGui::ColorConvertFloat4ToU32(kShade));
+  canvas.text({from.x + padding, from.y + padding}, kWhite, words);
+}
+
 constexpr float kGripLines = 0.5f, kMarginLines = 0.5f, kLineLines = 0.2f;  // in lines of text
 
 /// Which revision it is, in the upper corner of its half, and not beyond that.
@@ -152,37 +142,19 @@ ImU32 colour_of(const AxisTriad::End& end, float brightness, float alpha) {
 
 }  // namespace
 
-Overlay::Overlay(const core::View& view, const Part& part)
-    : clip_from_world_(view.clip_from_world()),
-      part_(part),
-      window_height_(double(ImGui::GetIO().DisplaySize.y)),
-      list_(*ImGui::GetBackgroundDrawList()) {
-  const float top = float(window_height_ - part.y - part.height);
-  list_.PushClipRect({float(part.x), top}, {float(part.x + part.width), top + float(part.height)});
+LabelPlacement labels_on(const Canvas& canvas) {
+  return LabelPlacement(
+      {double(canvas.corner.x), double(canvas.corner.y), double(canvas.end().x), double(canvas.end().y)});
 }
 
-Overlay::~Overlay() {
-  list_.PopClipRect();
-}
-
-ImVec2 Overlay::pixels(const core::dvec4& clip) const {
-  const core::dvec2 at = core::dvec2(clip.x, clip.y) / clip.w;
-  return {float(part_.x + 0.5 * (at.x + 1.0) * part_.width),
-          float(window_height_ - part_.y - 0.5 * (at.y + 1.0) * part_.height)};
-}
-
-std::optional<ImVec2> Overlay::at(const core::dvec3& point) const {
-  const core::dvec4 clip = clip_from_world_ * core::dvec4(point, 1.0);
-  return clip.w > 0.0 ? std::optional(pixels(clip)) : std::nullopt;
-}
-
-void Overlay::line(const core::dvec3& a, const core::dvec3& b, ImU32 colour, float pixels_wide) {
-  constexpr double kNearest = 1e-3;  // of the larger distance: nearer to the eye, pixels would be beyond all numbers
-  core::dvec4 from = clip_from_world_ * core::dvec4(a, 1.0), to = clip_from_world_ * core::dvec4(b, 1.0);
-  if (from.w > to.w) std::swap(from, to);
-  if (!(to.w > 0.0)) return;
-  if (const double least = kNearest * to.w; from.w < least) from += (to - from) * ((least - from.w) / (to.w - from.w));
-  list_.AddLine(pixels(from), pixels(to), colour, pixels_wide);
+void draw_measurements(Overlay& overlay, std::span<const Measurement> list, const LengthFormat& lengths,
+                       LabelPlacement& labels) {
+  for (const Measurement& one : list) {
+    const auto from = overlay.at(one.from), to = overlay.at(one.to);
+    overlay.line(one.from, one.to, ImGui::ColorConvertFloat4ToU32(kMarkColour), kWide * overlay.canvas().scale);
+    if (from && to)
+      label(overlay, {0.5f * (from->x + to->x), 0.5f * (from->y + to->y)}, lengths.text(one.distance()), labels);
+  }
 }
 
 void measure_overlay(Workspace& work, const Part& part) {
@@ -190,43 +162,34 @@ void measure_overlay(Workspace& work, const Part& part) {
   if (!session || (work.shown.tool != Tool::kMeasure && session->measuring.list().empty())) return;
   const auto view = session->image.view();
   if (!view) return;
-  Overlay overlay(*view, part);
-  ImDrawList& list = overlay.list();
-  const float scale = float(work.gui.scale()), radius = scale * kMarkRadius, padding = scale * kPadding,
-              wide = scale * kWide;
-  const ImU32 colour = ImGui::GetColorU32({0.95f, 0.45f, 0.05f, 1.0f}), shade = ImGui::GetColorU32(kShade);
-  const auto screen = [&](const core::dvec3& point) { return overlay.at(point); };
-  const Measuring& measuring = session->measuring;
-  const double left = part.x, top = double(ImGui::GetIO().DisplaySize.y) - part.y - part.height;
-  LabelPlacement labels({left, top, left + part.width, top + part.height});  // not over the panels
+  Overlay overlay(*view, Canvas::in_window(part, work.gui.scale()));
+  const float scale = overlay.canvas().scale, radius = scale * kMarkRadius;
+  const ImU32 colour = ImGui::ColorConvertFloat4ToU32(kMarkColour);
+  LabelPlacement labels = labels_on(overlay.canvas());  // not over the panels
   const auto mark = [&](const ImVec2& at) {
     labels.add_mark({double(at.x - radius), double(at.y - radius), double(at.x + radius), double(at.y + radius)});
   };
-  const auto text = [&](const ImVec2& at, const std::string& words) {
-    const ImVec2 size = ImGui::CalcTextSize(words.c_str());
-    const Rectangle place =
-        labels.place(double(at.x), double(at.y), double(size.x + 2.0f * padding), double(size.y + 2.0f * padding));
-    const ImVec2 from(float(place.left), float(place.top)), to(float(place.right), float(place.bottom));
-    list.AddRectFilled(from, to, shade);
-    list.AddText({from.x + padding, from.y + padding}, ImGui::GetColorU32(kWhite), words.c_str());
-  };
-  for (const Measuring::Mark& one : measuring.marks())
-    if (const auto at = screen(one.snap.point)) {
-      list.AddCircle(*at, radius, colour, 0, wide);
+  for (const Measuring::Mark& one : session->measuring.marks())
+    if (const auto at = overlay.at(one.snap.point)) {
+      overlay.list().AddCircle(*at, radius, colour, 0, scale * kWide);
       mark(*at);
     }
-  const auto aimed = work.shown.tool == Tool::kMeasure && work.gestures.aimed() ? screen(work.gestures.aimed()->point)
-                                                                                : std::optional<ImVec2>();
+  const auto aimed = work.shown.tool == Tool::kMeasure && work.gestures.aimed()
+                         ? overlay.at(work.gestures.aimed()->point)
+                         : std::optional<ImVec2>();
   if (aimed) {
-    list.AddCircleFilled(*aimed, radius, colour);
+    overlay.list().AddCircleFilled(*aimed, radius, colour);
     mark(*aimed);
   }
-  for (const Measurement& one : measuring.list()) {
-    const auto from = screen(one.from), to = screen(one.to);
-    overlay.line(one.from, one.to, colour, wide);
-    if (from && to) text({0.5f * (from->x + to->x), 0.5f * (from->y + to->y)}, work.lengths().text(one.distance()));
-  }
-  if (aimed) text(*aimed, work.gestures.aimed()->words);
+  draw_measurements(overlay, session->measuring.list(), work.lengths(), labels);
+  if (aimed) label(overlay, *aimed, work.gestures.aimed()->words, labels);
+}
+
+void rectangle_overlay(const Workspace& work) {
+  const auto& drag = work.gestures.drag();
+  if (!drag || !drag->moves || drag->button != GLFW_MOUSE_BUTTON_LEFT || (drag->mods & GLFW_MOD_CONTROL) == 0) return;
+  const ImVec2 a(float(drag->from.x), float(drag->from.y)), b(float(drag->last.x), float(drag->last.y));
+  ImGui::GetForegroundDrawList()->AddRect(a, b, ImGui::GetColorU32({1.0f, 0.6f, 0.1f, 1.0f}), 0.0f, 0, 2.0f);
 }
 
 void section_overlay(Workspace& work, const Part& part) {

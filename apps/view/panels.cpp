@@ -77,11 +77,8 @@ void tabs(Workspace& work) {
   static const ChangeList* known = nullptr;
   const ChangeList* changes = work.session->changes();
   if (std::exchange(known, changes) != changes && changes) work.shown.tab = "Compare";
-  std::vector<Tab> all{{"Item", properties_tab},
-                       {"Attributes", attributes_tab},
-                       {"Measure", measure_tab},
-                       {"Sections", sections_tab},
-                       {"Views", views_tab}};
+  std::vector<Tab> all{{"Item", properties_tab}, {"Attributes", attributes_tab}, {"Measure", measure_tab},
+                       {"Mark up", mark_tab},    {"Sections", sections_tab},     {"Views", views_tab}};
   if (work.shown.diagnostics) all.push_back({"Diagnostics", culling_tab});
   if (changes) all.insert(all.begin(), {"Compare", compare_tab});
   const Tab& front = tab_rows(work, all);

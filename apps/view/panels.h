@@ -20,12 +20,15 @@ void side_panel(Workspace& work);    ///< has the tabs
 void splitters(Shown& shown);        ///< the panels' inner edges, which can be dragged
 void properties_tab(Workspace& work);
 void measure_tab(Workspace& work);
+void mark_tab(Workspace& work);
 void sections_tab(Workspace& work);
 void views_tab(Workspace& work);
 void culling_tab(Workspace& work);
 void attributes_tab(Workspace& work);
 void compare_tab(Workspace& work);  ///< while something is compared
 void measure_overlay(Workspace& work, const Part& part);
+void markup_overlay(Workspace& work, const Part& part);
+void rectangle_overlay(const Workspace& work);  ///< that is being dragged to select
 void section_overlay(Workspace& work, const Part& part);
 void colour_legend(Workspace& work, const Part& part);
 void triad_overlay(Workspace& work);

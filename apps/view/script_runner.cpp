@@ -51,7 +51,8 @@ void ScriptRunner::follow(Workspace& work) {
 
 Done ScriptRunner::step(Workspace& work) {
   const ScriptStep& step = steps_[next_];
-  const bool at_point = step.name == "wheel" || step.name == "drag";  // of the model, where picks do not wait
+  const bool at_point =
+      step.name == "wheel" || step.name == "drag" || step.name == "mark";  // of the model, where picks do not wait
   if (at_point && work.session && work.session->engine.preparing_picks()) return {};
   ++next_;
   if (auto done = carry_out(step, work); !done)

@@ -186,6 +186,7 @@ Viewpoint Session::viewpoint() const {
   seen.near = camera.near();
   seen.sections = sections.planes();
   seen.measurements = measuring.list();
+  seen.markups = marking.list();
   seen.colour_by = colouring.key;
   seen.shown.emplace();
   if (document.hidden() > 0) seen.shown->hidden = names().name(document.items_with(Document::kHidden), true);
@@ -210,6 +211,7 @@ core::Expected<std::size_t> Session::show(const Viewpoint& viewpoint) {
   if (!there.orthographic && there.near > 0.0) camera.set_planes(there.near, core::kInfiniteFar);
   sections.set(there.sections, bounds_.bounds);
   measuring.merge(there.measurements);
+  marking.set(std::move(there.markups));
   // A view that was kept of another model may have a key that this one lacks: its own colours are shown then.
   if (!changes_ && there.colour_by && *there.colour_by != colouring.key && !apps::colour_by(*this, *there.colour_by))
     if (auto done = apps::colour_by(*this, {}); !done) return tl::unexpected(done.error());

@@ -13,6 +13,7 @@
 #include "sightline/apps/view/camera.h"
 #include "sightline/apps/view/change_list.h"
 #include "sightline/apps/view/document.h"
+#include "sightline/apps/view/marking.h"
 #include "sightline/apps/view/measuring.h"
 #include "sightline/apps/view/model_facts.h"
 #include "sightline/apps/view/model_tree.h"
@@ -105,6 +106,7 @@ class Session {
   ModelTree tree;
   AttributeList attributes;
   Measuring measuring;
+  Marking marking;
   Sections sections;
   query::Colouring colouring;  ///< of the items: set by colour_by() alone; without groups where there is none
   Camera camera;

@@ -52,6 +52,7 @@ enum class Tool {
   kSelect,
   kMeasure,  ///< sets marks
   kSection,  ///< cuts at a face, once
+  kMark,     ///< draws mark-ups
 };
 const char* name_of(Tool tool);
 
@@ -61,6 +62,7 @@ struct Shown : Settings {
   bool context = false;  ///< the context menu opens next
   bool section_handles = true;
   bool edges = false;        ///< engine::Edges; not remembered: models have them that came with faces
+  bool image_marks = true;   ///< in images that are written: mark-ups, measurements, the colours' legend
   bool find = false;         ///< the search field gets the keyboard next
   const char* tab = "Item";  ///< of the right panel, in front; the first where it has no such tab
 };

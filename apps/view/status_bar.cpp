@@ -44,7 +44,7 @@ Field selection_field(const Session& session) {
 }
 
 Field mode_field(Workspace& work) {
-  constexpr const char* kTools[] = {"Select", "Measure", "Pick a face"};
+  constexpr const char* kTools[] = {"Select", "Measure", "Pick a face", "Mark up"};
   std::string text = kTools[int(work.shown.tool)];
   if (work.gestures.walking()) text += ", walk 1.5 m/s";
   static_assert(Walker::kSpeed == 1.5);

@@ -286,8 +286,7 @@ Done Viewer::finish() {
   Done done;
   if (work_.recorder) done = toggle_recording(work_, "");
   for (const std::string& error : work_.session->engine.take_gl_errors()) return core::fail("GL: " + error);
-  if (done && !options.screenshot.empty())
-    done = write_screenshot(options.screenshot, *work_.session, work_.shown, work_.messages);
+  if (done && !options.screenshot.empty()) done = write_screenshot(work_, options.screenshot);
   if (done && !options.json_file.empty()) done = write_text(options.json_file, to_text(state_json(work_)));
   return done;
 }

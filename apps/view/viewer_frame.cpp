@@ -91,8 +91,9 @@ void Viewer::draw_panels() {
       work_.shown.tool == Tool::kSelect && !work_.gestures.section_target() && work_.shown.dialog == Dialog::kNone &&
       !work_.gui.has_popup() && !ImGui::GetIO().WantCaptureMouse)
     taken_tip(work_.session->scene(), *work_.session->document.hovered);
-  work_.gestures.draw_rectangle();
+  rectangle_overlay(work_);
   measure_overlay(work_, work_.viewport());
+  markup_overlay(work_, work_.viewport());
   section_overlay(work_, work_.viewport());
   slider_overlay(work_, work_.viewport());
   colour_legend(work_, work_.viewport());

@@ -22,6 +22,12 @@ Json measure_json(const Measuring& measuring) {
   return json;
 }
 
+Json markups_json(const Marking& marking) {
+  Json json{{"count", marking.list().size()}};
+  if (!marking.list().empty()) json["last"] = to_json(marking.list().back());
+  return json;
+}
+
 /// Items by what a frozen camera's culling makes of them, and its boxes.
 Json culling_json(Session& session, const CullingBoxes& boxes) {
   Json json = Json::object();
@@ -129,6 +135,7 @@ Json session_json(Session& session) {
           {"hovered_items", hovered ? hovered->items.size() : 0},
           {"sections", session.sections.planes().size()},
           {"measure", measure_json(session.measuring)},
+          {"markups", markups_json(session.marking)},
           {"findings", session.findings().size()},
           {"found", session.tree.match_count()},
           {"colours", legend_json(session.colouring)},

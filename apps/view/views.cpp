@@ -3,6 +3,7 @@
 
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/view/actions.h"
+#include "sightline/apps/view/image_marks.h"
 #include "sightline/apps/view/small_image.h"
 #include "sightline/render/image/image.h"
 
@@ -13,15 +14,18 @@ std::string count_of_views(std::size_t count) {
   return std::to_string(count) + (count == 1 ? " view" : " views");
 }
 
-constexpr int kSnapshotWidth = 320;
+constexpr int kSnapshotWidth = 320, kMarkedWidth = 640;  // pixels; words need more
 
-/// What is seen and shown now, with an image of it.
-core::Expected<Viewpoint> seen_now(Session& session) {
+/// What is seen and shown now, with an image of it and its marks.
+core::Expected<Viewpoint> seen_now(const Workspace& work) {
+  Session& session = *work.session;
   Viewpoint seen = session.viewpoint();
   if (auto drawn = session.image.draw(); !drawn) return tl::unexpected(drawn.error());
   const auto image = session.image.read(true);
   if (!image) return tl::unexpected(image.error());
-  const image::Image small = shrunk(*image, kSnapshotWidth);
+  const Painter marks = image_marks(work);
+  image::Image small = shrunk(*image, marks ? kMarkedWidth : kSnapshotWidth);
+  if (const auto view = session.image.view(); marks && view) marks(*view, {small.width, small.height}).paint(small);
   if (small.width > 0 && small.height > 0)
     if (auto png = image::encode_png(small, image::PngSize::kSmall)) seen.snapshot = std::move(*png);
   return seen;
@@ -34,11 +38,11 @@ core::Expected<Viewpoint*> current(ViewList& views) {
 
 }  // namespace
 
-Done add_view(const std::string& name, Session& session, ViewList& views, Shown& shown) {
-  auto seen = seen_now(session);
+Done add_view(Workspace& work, const std::string& name) {
+  auto seen = seen_now(work);
   if (!seen) return tl::unexpected(seen.error());
-  views.add(std::move(*seen), name);
-  shown.tab = "Views";
+  work.views.add(std::move(*seen), name);
+  work.shown.tab = "Views";
   return {};
 }
 
@@ -56,11 +60,11 @@ Done show_view(const std::string& which, Session& session, ViewList& views, Mess
   return {};
 }
 
-Done update_view(const std::string&, Session& session, ViewList& views) {
-  if (auto view = current(views); !view) return tl::unexpected(view.error());
-  auto seen = seen_now(session);
+Done update_view(Workspace& work, const std::string&) {
+  if (auto view = current(work.views); !view) return tl::unexpected(view.error());
+  auto seen = seen_now(work);
   if (!seen) return tl::unexpected(seen.error());
-  views.update_current(std::move(*seen));
+  work.views.update_current(std::move(*seen));
   return {};
 }
 

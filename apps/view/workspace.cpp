@@ -39,7 +39,7 @@ const char* name_of(Dialog dialog) {
 }
 
 const char* name_of(Tool tool) {
-  constexpr const char* kNames[] = {"select", "measure", "section"};
+  constexpr const char* kNames[] = {"select", "measure", "section", "mark"};
   return kNames[int(tool)];
 }
 

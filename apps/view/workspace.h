@@ -106,7 +106,7 @@ PartOf& Workspace::get() {
     return std::get<PartOf&>(std::tie(shown, messages, opening, exports, gestures, player, views, culling));
 }
 
-/// A function of commands from one that takes the parts which it uses: `with<add_view>`.
+/// A function of commands from one that takes the parts which it uses: `with<show_view>`.
 template <class... Parts>
 Done call(Done (*work)(const std::string&, Parts&...), Workspace& workspace, const std::string& argument) {
   return work(argument, workspace.get<std::remove_const_t<Parts>>()...);

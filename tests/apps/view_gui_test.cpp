@@ -66,7 +66,7 @@ TEST_F(ViewScript, WhatIsUnderTheCursorFollowsTheCamera) {
 TEST_F(ViewScript, AllTabsAreReached) {
   const std::string model = boxes();
   expect_driven("expect /tab = Item\ndiagnostics\nexpect /tab = Diagnostics\ncompare " + model +
-                    "\nexpect /tab = Compare\nclick 641 70\nexpect /tab = Item\nclick 701 96\nexpect /tab = Views\n"
+                    "\nexpect /tab = Compare\nclick 641 70\nexpect /tab = Item\nclick 767 96\nexpect /tab = Views\n"
                     "click 585 121\nexpect /tab = Diagnostics\nmeasure\nexpect /tab = Measure\nclick 567 70\n"
                     "expect /tab = Compare\ncompare-end\nexpect /tab = Item\n",
                 {model, "--size", "800x600"});
