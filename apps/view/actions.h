@@ -101,6 +101,8 @@ Done remove_markup(const std::string& number, Session& session);
 bool draws_markup(const Workspace& work, const Gestures::Drag& drag);
 /// The one that such a drag draws.
 core::Expected<Markup> markup_of(const Workspace& work, const Gestures::Drag& drag);
+/// Draws it, at the end of the drag.
+void mark_dragged(Workspace& work, const Gestures::Drag& drag);
 /// Places a text, or says how others are drawn.
 void mark_clicked(Workspace& work, const core::dvec2& at);
 

@@ -176,8 +176,7 @@ void Gestures::release_button(const Event& event) {
   else if (!drag.moves && drag.button == GLFW_MOUSE_BUTTON_RIGHT)
     open_context_menu(drag.from);
   else if (draws_markup(work_, drag))
-    work_.messages.tell_outcome(
-        markup_of(work_, drag).map([&](Markup&& markup) { work_.session->marking.add(std::move(markup)); }));
+    mark_dragged(work_, drag);
   else if (drag.button == GLFW_MOUSE_BUTTON_LEFT && (drag.mods & GLFW_MOD_CONTROL) != 0)
     select_rectangle(drag);
 }

@@ -25,6 +25,14 @@ Done draw(Workspace& work, const AskedMarkup& asked, const core::dvec3& through)
   });
 }
 
+/// With the words of the tab, which are then used.
+void draw_by_mouse(Workspace& work, const core::dvec2& from, const core::dvec2& to, const core::dvec3& through) {
+  Marking& marking = work.session->marking;
+  const Done done = draw(work, {marking.kind, from, to, marking.words}, through);
+  if (done) marking.words.clear();
+  work.messages.tell_outcome(done);
+}
+
 }  // namespace
 
 Done mark(Workspace& work, const std::string& argument) {
@@ -53,11 +61,13 @@ core::Expected<Markup> markup_of(const Workspace& work, const Gestures::Drag& dr
   return markup_between(work, {marking.kind, drag.from, drag.last, marking.words}, drag.point);
 }
 
+void mark_dragged(Workspace& work, const Gestures::Drag& drag) {
+  draw_by_mouse(work, drag.from, drag.last, drag.point);
+}
+
 void mark_clicked(Workspace& work, const core::dvec2& at) {
-  const Marking& marking = work.session->marking;
-  if (marking.kind != Markup::Kind::kText) return work.messages.tell("drag: an arrow begins at its tip");
-  work.messages.tell_outcome(
-      draw(work, {marking.kind, at, at, marking.words}, work.session->point_at(work.image.in_image(at))));
+  if (work.session->marking.kind != Markup::Kind::kText) return work.messages.tell("drag: an arrow begins at its tip");
+  draw_by_mouse(work, at, at, work.session->point_at(work.image.in_image(at)));
 }
 
 }  // namespace sightline::apps

@@ -38,10 +38,12 @@ TEST_F(ViewScript, DragsAndClicksMarkUp) {
 TEST_F(ViewScript, TheTabHasWordsAndAList) {
   const Args args{boxes(), "--size", "800x600", "--scale", "1"};
   const Json text = state_after(
-      "front\npress shift+m\nclick 696 125\nclick 640 150\ntype bolt M12\nclick 400 300\nexpect /markups/count = 1\n",
+      "front\npress shift+m\nclick 696 125\nclick 640 150\ntype bolt M12\nclick 400 300\nexpect /markups/count = "
+      "1\nclick 400 "
+      "350\nexpect /markups/count = 1\n",
       args);
   EXPECT_EQ(text["markups"]["last"]["kind"], "text") << text["markups"].dump();
-  EXPECT_EQ(text["markups"]["last"]["words"], "bolt M12");
+  EXPECT_EQ(text["markups"]["last"]["words"], "bolt M12") << "which are used once";
 }
 
 TEST_F(ViewScript, MarkUpsBelongToViews) {
