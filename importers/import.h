@@ -85,7 +85,7 @@ struct ImportOptions {
   /// (ExactSurfaceReport).
   double chord_tolerance = 0.0;
   /// For the same formats, radians, above 0 to pi: the largest angle between neighbouring facets of a curve.
-  double chord_angle = std::numbers::pi / 9;
+  double chord_angle = std::numbers::pi / 15;
   /// Reads the same formats in this process. Open CASCADE, which reads them, may crash, never end or take all memory
   /// where a file is hostile or damaged; so a process of its own does it otherwise.
   bool in_process = false;

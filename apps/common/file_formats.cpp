@@ -58,6 +58,10 @@ FileFormat png_format() {
   return {"PNG", {".png"}};
 }
 
+FileFormat jpeg_format() {
+  return {"JPEG", {".jpg", ".jpeg"}};
+}
+
 FileFormat json_format() {
   return {"JSON", {".json"}};
 }

@@ -19,6 +19,7 @@ struct FileFormat {
 std::vector<FileFormat> model_formats();  ///< that this build reads: importers::known_extensions()
 std::vector<FileFormat> written_formats();  ///< of models
 FileFormat png_format();
+FileFormat jpeg_format();
 FileFormat json_format();  ///< of views and camera paths
 FileFormat bcf_format();   ///< of views
 

@@ -362,7 +362,9 @@ core::Expected<core::vec3> parse_colour(std::string_view text) {
   return core::vec3(value >> 16, value >> 8 & 255u, value & 255u) / 255.0f;
 }
 
-core::Expected<DrawnOptions::Background> parse_background(const std::string& text) {
+}  // namespace
+
+core::Expected<DrawnOptions::Background> DrawnOptions::parse_background(const std::string& text) {
   if (text == "transparent") return DrawnOptions::Background{true, {}};
   const std::size_t comma = text.find(',');
   const auto top = parse_colour(std::string_view(text).substr(0, comma));
@@ -371,10 +373,8 @@ core::Expected<DrawnOptions::Background> parse_background(const std::string& tex
   return DrawnOptions::Background{false, {*bottom, *top}};
 }
 
-}  // namespace
-
 void add_background_option(CommandLine line, DrawnOptions& options) {
-  line.add_parsed("--background", options.background, parse_background,
+  line.add_parsed("--background", options.background, DrawnOptions::parse_background,
                   "What is behind everything: transparent (PNG), a colour such as FFFFFF or white, or two, TOP,BOTTOM")
       .metavar("COLOUR")
       .advanced();

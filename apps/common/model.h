@@ -110,6 +110,8 @@ struct DrawnOptions {
     gpuprims::Background colours;
   };
   std::optional<Background> background = {};
+  /// "transparent", a colour or two: what --background takes.
+  static core::Expected<Background> parse_background(const std::string& text);
   std::optional<core::dvec3> sun = {};
 
   engine::Looks all_looks() const;

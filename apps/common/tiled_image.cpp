@@ -18,23 +18,23 @@ core::Expected<void> set_background(engine::Engine& engine, const gpuprims::Back
   return engine.configure(config);
 }
 
-/// Colours and alpha out of the same image on black and on white. What shows of the background is a share of it, in
-/// sRGB values as all blending is, so that the two differ by just that.
-std::vector<std::uint8_t> with_alpha(const image::Image& on_black, const image::Image& on_white) {
+}  // namespace
+
+/// What shows of the background is a share of it, in sRGB values as all blending is, so that the two differ by just
+/// that.
+std::vector<std::uint8_t> with_alpha(std::span<const std::uint8_t> on_black, std::span<const std::uint8_t> on_white) {
   std::vector<std::uint8_t> pixels;
-  pixels.reserve(on_black.pixels.size() / 3 * 4);
-  for (std::size_t i = 0; i < on_black.pixels.size(); i += 3) {
+  pixels.reserve(on_black.size() / 3 * 4);
+  for (std::size_t i = 0; i < on_black.size(); i += 3) {
     int shows = 0;  // of three channels
-    for (std::size_t c = i; c < i + 3; ++c) shows += std::max(0, int(on_white.pixels[c]) - int(on_black.pixels[c]));
+    for (std::size_t c = i; c < i + 3; ++c) shows += std::max(0, int(on_white[c]) - int(on_black[c]));
     const int alpha = 255 - (shows + 1) / 3;
     for (std::size_t c = i; c < i + 3; ++c)
-      pixels.push_back(std::uint8_t(alpha == 0 ? 0 : std::min(255, (255 * on_black.pixels[c] + alpha / 2) / alpha)));
+      pixels.push_back(std::uint8_t(alpha == 0 ? 0 : std::min(255, (255 * on_black[c] + alpha / 2) / alpha)));
     pixels.push_back(std::uint8_t(alpha));
   }
   return pixels;
 }
-
-}  // namespace
 
 core::Expected<bool> TiledImage::step(engine::Engine& engine) {
   const engine::CroppedTile& tile = tiles_.tiles[done_ / steps_of_tile()];
@@ -59,7 +59,8 @@ void TiledImage::add(const engine::CroppedTile& tile, const image::Image& image,
   if (number == 0) mean_.clear();
   mean_.add(image);
   if (number + 1 < wanted_.shifts.size()) return;
-  if (wanted_.transparent) return take(tile, with_alpha(mean_.mean(), on_white_.mean()), rows_.colours, 4);
+  if (wanted_.transparent)
+    return take(tile, with_alpha(mean_.mean().pixels, on_white_.mean().pixels), rows_.colours, 4);
   take(tile, mean_.mean().pixels, rows_.colours, 3);
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -90,6 +91,9 @@ class TiledImage {
   engine::FrameReport report_;
   bool found_ = false, covered_ = false;
 };
+
+/// Colours and alpha, 4 bytes per pixel, out of the same pixels on black and on white, 3 bytes each.
+std::vector<std::uint8_t> with_alpha(std::span<const std::uint8_t> on_black, std::span<const std::uint8_t> on_white);
 
 /// Shifts that take a pixel's mean over so many samples, 1 to MeanImage::kMost; a single one is none.
 std::vector<core::dvec2> sample_shifts(int samples);

@@ -112,6 +112,8 @@ void mark_clicked(Workspace& work, const core::dvec2& at);
 Done write_image(Workspace& work, const std::string& argument);
 /// Writes the image at once, in the window's size; without a name the next free one.
 Done write_screenshot(Workspace& work, const std::string& file);
+/// "transparent", "white" or another colour as --background takes it, or "shown": for images that are written.
+Done image_background(Workspace& work, const std::string& colours);
 /// Begins to record a camera path, or ends that and writes it.
 Done toggle_recording(Workspace& work, const std::string&);
 /// "FILE", or nothing for the path that was played or recorded last.

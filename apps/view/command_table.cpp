@@ -264,6 +264,13 @@ Done open_or_ask(Workspace& work, const std::string& file) {
   return work.open({file}), Done();
 }
 
+Done open_lenient(Workspace& work, const std::string& file) {
+  const std::vector<std::string> files = file.empty() ? work.damaged : std::vector{file};
+  if (files.empty()) return core::fail("open-lenient: expected FILE");
+  work.open_what_can_be_read(files);
+  return {};
+}
+
 Done toggle_up(Workspace& work, const std::string&) {
   work.opening.toggle_up(work.session.get());
   if (work.session) work.open(work.files());
@@ -279,6 +286,8 @@ Done find_or_ask(const std::string& text, Session& session, Shown& shown, Messag
 const Command kFile[] = {
     {"open", "File", "Open…", "Ctrl+O", "open files, instead of what is open: FILE", open_or_ask, nullptr, nullptr,
      icons::kOpen},
+    {"open-lenient", nullptr, "Open what can be read", "",
+     "open damaged files without what is damaged: FILE, or what could not be opened", open_lenient, nullptr, nullptr},
     {"append", "File", "Append a file…", "", "open a file beside what is open: FILE", append_model,
      shows<Dialog::kAppend>},
     {"session-save", "File", "Save the session…", "Ctrl+Shift+S",
@@ -291,10 +300,14 @@ const Command kFile[] = {
     {"y-up", "File", "Y is up", "",
      "switch which axis points up in files that do not say (OBJ, PLY, STL, VTK), and read those that are open again",
      toggle_up, [](Workspace& w) { return w.opening.y_is_up(w.session.get()); }, nullptr},
-    {"screenshot", "|File", "Save image", "F12", "write the image that is shown, PNG: FILE [WxH], up to 16384x16384",
-     write_image, nullptr, &needs::kModel, icons::kCamera},
+    {"screenshot", "|File", "Save image", "F12",
+     "write the image that is shown, PNG or JPEG: FILE [WxH], up to 16384x16384", write_image, nullptr, &needs::kModel,
+     icons::kCamera},
     {"large-image", "File", "Save image as…", "Shift+F12", "ask for a size and a file, and write the image",
      with<toggle<Dialog::kImage>>, shows<Dialog::kImage>},
+    {"image-background", nullptr, "", "",
+     "what is behind everything in images that are written: shown, transparent, white, RRGGBB or TOP,BOTTOM",
+     image_background},
     {"image-marks", nullptr, "", "",
      "switch whether images that are written have mark-ups, measurements and the legend",
      with<flip<&Shown::image_marks>>, is_on<&Shown::image_marks>, nullptr},

@@ -1,6 +1,7 @@
 #include "sightline/apps/view/export.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <utility>
@@ -19,6 +20,7 @@ Export::Export(Session& session, const Options& options, std::string target)
     : session_(&session),
       options_(options),
       target_(std::move(target)),
+      background_(session.engine.config().drawing.looks.background),
       budget_ms_(session.engine.config().losses.budget_ms) {
   if (options.smooth && session.engine.config().drawing.samples == 1)
     shifts_ = SessionImage::shifts();
@@ -69,7 +71,10 @@ core::Expected<std::unique_ptr<Export>> Export::frames(Session& session, const O
 
 Export::~Export() {
   file_.reset();
-  (void)session_->image.configure([this](engine::EngineConfig& config) { config.losses.budget_ms = budget_ms_; });
+  (void)session_->image.configure([this](engine::EngineConfig& config) {
+    config.losses.budget_ms = budget_ms_;
+    config.drawing.looks.background = background_;
+  });
   (void)session_->engine.resize(session_->image.drawn_size()[0], session_->image.drawn_size()[1]);
 }
 
@@ -86,26 +91,42 @@ core::Expected<void> Export::begin_frame() {
   }
   const auto view = session_->image.view_of(camera, double(options_.size[0]) / options_.size[1]);
   if (!view) return tl::unexpected(view.error());
-  auto opened = image::PngWriter::create(file, options_.size[0], options_.size[1]);
+  auto opened = ColourFile::create(file.string(), options_.size[0], options_.size[1], transparent());
   if (!opened) return tl::unexpected(opened.error());
   engine::Engine& engine = session_->engine;
   if (engine.config().width != tiles_.width || engine.config().height != tiles_.height)
     if (auto done = engine.resize(tiles_.width, tiles_.height); !done) return done;
-  if (engine.config().losses.budget_ms > 0.0)
-    if (auto done = session_->image.configure([](engine::EngineConfig& config) { config.losses.budget_ms = 0.0; });
-        !done)
-      return done;
+  const auto own = [this](engine::EngineConfig& config) {
+    config.losses.budget_ms = 0.0;
+    if (options_.background && !transparent()) config.drawing.looks.background = options_.background->colours;
+  };
+  if (engine.config().losses.budget_ms > 0.0 || options_.background)
+    if (auto done = session_->image.configure(own); !done) return done;
   file_ = std::move(*opened);
   if (options_.marks) marks_ = options_.marks(*view, options_.size);
-  image_.emplace(*view, tiles_, TiledImage::Wanted{.shifts = shifts_});
+  image_.emplace(*view, tiles_, TiledImage::Wanted{.transparent = transparent(), .shifts = shifts_});
   return {};
 }
 
 core::Expected<void> Export::write(const ImageRows& rows) {
   if (marks_.empty()) return file_->write_rows(rows.colours);
-  std::vector<std::uint8_t> marked = rows.colours;
-  marks_.paint(marked, rows.width, rows.first);
-  return file_->write_rows(marked);
+  if (transparent()) return file_->write_rows(marked(rows));
+  std::vector<std::uint8_t> painted = rows.colours;
+  marks_.paint(painted, rows.width, rows.first);
+  return file_->write_rows(painted);
+}
+
+/// Marks on a transparent image, as on black and on white.
+std::vector<std::uint8_t> Export::marked(const ImageRows& rows) const {
+  std::array<std::vector<std::uint8_t>, 2> on;
+  for (std::size_t i = 0; i < rows.colours.size(); ++i) {
+    if (i % 4 == 3) continue;
+    const int alpha = rows.colours[i / 4 * 4 + 3], over_black = (rows.colours[i] * alpha + 127) / 255;
+    on[0].push_back(std::uint8_t(over_black));
+    on[1].push_back(std::uint8_t(over_black + 255 - alpha));
+  }
+  for (auto& pixels : on) marks_.paint(pixels, rows.width, rows.first);
+  return with_alpha(on[0], on[1]);
 }
 
 core::Expected<void> Export::step() {

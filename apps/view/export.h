@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "sightline/apps/common/colour_file.h"
+#include "sightline/apps/common/model.h"
 #include "sightline/apps/common/tiled_image.h"
 #include "sightline/apps/view/painting.h"
 #include "sightline/apps/view/session.h"
@@ -18,8 +20,9 @@ class Export {
  public:
   struct Options {
     std::array<int, 2> size{};
-    bool smooth = true;  ///< edges, where the session smooths them at rest
-    Painter marks = {};  ///< over each image; empty: none
+    bool smooth = true;                                       ///< edges, where the session smooths them at rest
+    Painter marks = {};                                       ///< over each image; empty: none
+    std::optional<DrawnOptions::Background> background = {};  ///< none: the session's
   };
 
   /// One image. Fails where the file cannot be written.
@@ -49,6 +52,7 @@ class Export {
   static core::Expected<std::unique_ptr<Export>> create(Session& session, const Options& options, std::string target);
   core::Expected<void> begin_frame();
   core::Expected<void> write(const ImageRows& rows);
+  std::vector<std::uint8_t> marked(const ImageRows& rows) const;
 
   Session* session_;
   Options options_;
@@ -60,8 +64,11 @@ class Export {
   std::vector<core::dvec2> shifts_;
   std::optional<TiledImage> image_;  // of the frame that is being drawn
   Painting marks_;
-  std::optional<image::PngWriter> file_;
+  std::optional<ColourFile> file_;
   image::Image before_;
+  bool transparent() const { return options_.background && options_.background->transparent; }
+
+  gpuprims::Background background_;  // of the session
   double budget_ms_ = 0.0;
   bool blank_ = true;
 };

@@ -7,6 +7,9 @@
 
 #include "sightline/apps/common/arguments.h"
 #include "sightline/apps/common/blank.h"
+#include "sightline/apps/common/colour_file.h"
+#include "sightline/apps/common/html_page.h"
+#include "sightline/apps/common/model.h"
 #include "sightline/apps/common/view_options.h"
 #include "sightline/apps/common/write_model.h"
 #include "sightline/apps/view/actions.h"
@@ -106,28 +109,51 @@ void tell_of_export(const std::string& what) {
 
 }  // namespace
 
+namespace {
+
+core::Expected<Export::Options> export_options(const Workspace& work, const std::array<int, 2>& size) {
+  Export::Options options{size, work.shown.smooth, image_marks(work)};
+  if (work.shown.image_background.empty()) return options;
+  return DrawnOptions::parse_background(work.shown.image_background).map([&](const auto& background) {
+    options.background = background;
+    return options;
+  });
+}
+
+}  // namespace
+
+Done image_background(Workspace& work, const std::string& colours) {
+  const bool as_shown = colours.empty() || colours == "shown";
+  if (auto good = DrawnOptions::parse_background(as_shown ? "white" : colours); !good)
+    return core::fail("image-background: " + good.error().message);
+  work.shown.image_background = as_shown ? "" : colours;
+  return {};
+}
+
 Done write_image(Workspace& work, const std::string& argument) {
   std::string file = argument;
   const auto word = take_last_word(file, looks_like_size);
-  if (!word) return write_screenshot(work, file);
-  const auto size = parse_size(*word);
+  if (!word && work.shown.image_background.empty()) return write_screenshot(work, file);
+  const auto size = word ? parse_size(*word) : core::Expected<std::array<int, 2>>(work.session->image.size());
   if (!size) return tl::unexpected(size.error());
   if (auto good = without_slider(*work.session); !good) return good;
   if (file.empty()) file = free_name("screenshot", ".png");
-  return begin_export(Export::image(*work.session, {*size, work.shown.smooth, image_marks(work)}, file), work.exports);
+  const auto options = export_options(work, *size);
+  if (!options) return tl::unexpected(options.error());
+  return begin_export(Export::image(*work.session, *options, file), work.exports);
 }
 
 Done write_screenshot(Workspace& work, const std::string& file) {
   Session& session = *work.session;
   const std::string name = file.empty() ? free_name("screenshot", ".png") : file;
-  if (const auto good = parse_png_name(name); !good) return tl::unexpected(good.error());
+  if (const auto good = parse_image_name(name); !good) return tl::unexpected(good.error());
   const auto view = session.image.view();
   if (!view) return tl::unexpected(view.error());
   if (auto kept = check_sections(*view, session.engine.snapshot().bounds(), session.offset()); !kept) return kept;
   auto image = session.image.read(work.shown.smooth);
   if (!image) return tl::unexpected(image.error());
   if (const Painter marks = image_marks(work)) marks(*view, {image->width, image->height}).paint(*image);
-  if (auto done = image::write_png(*image, name); !done) return done;
+  if (auto done = write_colours(*image, name); !done) return done;
   warn_if_blank(session.engine, session.image.visible(), name);
   work.messages.tell("image: " + name);
   return {};
@@ -192,13 +218,39 @@ Done write_frames(Workspace& work, const std::string& argument) {
   if (!path) return core::fail("record or play a camera path first");
   if (auto good = without_slider(session); !good) return good;
   work.player.stop();
-  return begin_export(Export::frames(session, {*size, work.shown.smooth, image_marks(work)}, *path,
-                                     fps_word ? *parse_finite(*fps_word) : kFps, folder),
+  const auto options = export_options(work, *size);
+  if (!options) return tl::unexpected(options.error());
+  return begin_export(Export::frames(session, *options, *path, fps_word ? *parse_finite(*fps_word) : kFps, folder),
                       work.exports);
 }
 
+namespace {
+
+/// What is behind everything in the image: as shown, or of a colour, or nothing.
+void background_choice(std::string& chosen) {
+  constexpr std::pair<const char*, const char*> kChoices[] = {
+      {"", "as shown"}, {"white", "white"}, {"black", "black"}, {"transparent", "transparent (PNG)"}};
+  const auto known = std::find_if(std::begin(kChoices), std::end(kChoices),
+                                  [&](const auto& choice) { return chosen == choice.first; });
+  const std::string shown = known == std::end(kChoices) ? "a colour" : known->second;
+  if (ImGui::BeginCombo("background", shown.c_str())) {
+    for (const auto& [value, words] : kChoices)
+      if (ImGui::Selectable(words, chosen == value)) chosen = value;
+    ImGui::EndCombo();
+  }
+  core::vec3 colour(1.0f);
+  if (const auto parsed =
+          chosen.empty() ? DrawnOptions::parse_background("white") : DrawnOptions::parse_background(chosen))
+    colour = parsed->colours.top;
+  ImGui::SameLine();
+  if (ImGui::ColorEdit3("##colour", &colour.x, ImGuiColorEditFlags_NoInputs)) chosen = hex_of(colour).substr(1);
+}
+
+}  // namespace
+
 void image_options(Workspace& work) {
   size_fields(*work.session, asked.image_size);
+  background_choice(work.shown.image_background);
   ImGui::Checkbox("with marks", &work.shown.image_marks);
   ImGui::SameLine();
   wrapped_text("up to 16384x16384, drawn in tiles");

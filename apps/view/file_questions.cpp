@@ -58,7 +58,7 @@ FileRequest older_model(Workspace&) {
 /// Named after the model.
 FileRequest new_image(Workspace& work) {
   const std::string stem = std::filesystem::path(work.files().front()).stem().string();
-  return {Purpose::kSave, "", {png_format()}, stem + ".png"};
+  return {Purpose::kSave, "", {png_format(), jpeg_format()}, stem + ".png"};
 }
 
 FileRequest path(Workspace&) {

@@ -1,6 +1,7 @@
 // sightline-view: a window to look at models in, to find and hide their parts, and to see what the culler does.
 
 #include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/colour_file.h"
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/view/commands.h"
@@ -36,7 +37,9 @@ void add_options(apps::CommandLine& line, apps::ViewerOptions& o) {
   line.add("--script", o.script, "Carry out the commands of this file, then quit; fails where it expects otherwise")
       .metavar("FILE")
       .existing_file();
-  line.add("--screenshot", o.screenshot, "Write the last image, PNG").metavar("FILE").accepted_by(apps::parse_png_name);
+  line.add("--screenshot", o.screenshot, "Write the last image, PNG or JPEG")
+      .metavar("FILE")
+      .accepted_by(apps::parse_image_name);
   line.add("--json", o.json_file, "Write state and measurements as JSON to FILE, or - for stdout, at the end")
       .metavar("FILE")
       .advanced();

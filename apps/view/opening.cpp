@@ -1,9 +1,13 @@
 #include "sightline/apps/view/opening.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "sightline/apps/view/window.h"
+#include "sightline/core/internal/platform/files.h"
+#include "sightline/importers/internal/extension.h"
 
 namespace sightline::apps {
 namespace {
@@ -18,12 +22,22 @@ std::string name_of_files(const std::vector<std::string>& files) {
   return name;
 }
 
+std::vector<std::string> readable_in_part(const std::vector<std::string>& files) {
+  const auto good = [](const std::string& file) {
+    const auto path = core::platform::path_of(file);
+    std::error_code none;
+    return std::filesystem::is_regular_file(path, none) && importers::lower_case_extension(path) != ".slc";
+  };
+  return std::all_of(files.begin(), files.end(), good) ? files : std::vector<std::string>();
+}
+
 void Opening::open(const std::vector<std::string>& files, const engine::EngineConfig& config, bool recognise,
-                   bool previews) {
+                   bool previews, bool lenient) {
   drop();
   ModelOptions model = options_;
   model.files = files;
   model.import.recognise = recognise;
+  model.import.lenient |= lenient;
   if (previews) {
     preview_ = std::make_unique<Preview>(config);
     model.follow = [preview = preview_.get()](const core::Scene& scene) {

@@ -19,8 +19,10 @@ class Opening {
       : options_(std::move(options)), default_budget_ms_(default_budget_ms) {}
 
   /// Begins to read and to make the session of these files, in place of what was being read. `config`: of its images;
-  /// `previews`: shows the largest items until the session is there.
-  void open(const std::vector<std::string>& files, const engine::EngineConfig& config, bool recognise, bool previews);
+  /// `previews`: shows the largest items until the session is there; `lenient`: keeps what can be read of damaged
+  /// files.
+  void open(const std::vector<std::string>& files, const engine::EngineConfig& config, bool recognise, bool previews,
+            bool lenient = false);
   /// Begins to read an older revision of what is open, which must stay until that is done.
   void compare(const std::string& file, const Session& open);
   void cancel();
@@ -44,6 +46,8 @@ class Opening {
   double progress() const { return loader_ ? loader_->progress() : 0.0; }
   /// The files that are being read.
   const std::vector<std::string>& files() const { return loader_->options().files; }
+  /// Whether damaged files among them are kept as far as they can be read.
+  bool lenient() const { return loader_ && loader_->options().import.lenient; }
   const OpeningSteps& steps() const { return steps_; }
   int portions() const { return portions_; }  ///< calls of Session::begin()
   /// Session::first_image() of the model that is coming in; null while there is none.
@@ -71,6 +75,9 @@ class Opening {
   int portions_ = 0;
   bool swapping_in_ = false;  // the loader is done, and opened_ is brought into the window's context
 };
+
+/// These files, if they are there and of formats whose readers can leave out damage; else none.
+std::vector<std::string> readable_in_part(const std::vector<std::string>& files);
 
 /// "plant.rvm and 2 more".
 std::string name_of_files(const std::vector<std::string>& files);

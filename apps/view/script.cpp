@@ -10,6 +10,7 @@
 #include <GLFW/glfw3.h>
 
 #include "sightline/apps/common/arguments.h"
+#include "sightline/apps/common/colour_file.h"
 #include "sightline/importers/json/internal/json.h"
 
 namespace sightline::apps {
@@ -148,8 +149,9 @@ std::vector<Event> text(const std::string& typed) {
 core::Expected<void> check_image_name(const ScriptStep& step) {
   if (step.name != "screenshot" && step.name != "window-shot") return {};
   const std::size_t space = step.argument.rfind(' ');  // a size may follow
-  auto good = parse_png_name(step.argument);
-  if (!good && space != std::string::npos) good = parse_png_name(step.argument.substr(0, space));
+  const auto check = step.name == "screenshot" ? parse_image_name : parse_png_name;
+  auto good = check(step.argument);
+  if (!good && space != std::string::npos) good = check(step.argument.substr(0, space));
   return good.map([](const std::string&) {});
 }
 

@@ -61,10 +61,11 @@ struct Shown : Settings {
   Tool tool = Tool::kSelect;
   bool context = false;  ///< the context menu opens next
   bool section_handles = true;
-  bool edges = false;        ///< engine::Edges; not remembered: models have them that came with faces
-  bool image_marks = true;   ///< in images that are written: mark-ups, measurements, the colours' legend
-  bool find = false;         ///< the search field gets the keyboard next
-  const char* tab = "Item";  ///< of the right panel, in front; the first where it has no such tab
+  bool edges = false;                 ///< engine::Edges; not remembered: models have them that came with faces
+  std::string image_background = {};  ///< of images that are written, as --background takes it; empty: as shown
+  bool image_marks = true;            ///< in images that are written: mark-ups, measurements, the colours' legend
+  bool find = false;                  ///< the search field gets the keyboard next
+  const char* tab = "Item";           ///< of the right panel, in front; the first where it has no such tab
 };
 
 }  // namespace sightline::apps

@@ -70,7 +70,22 @@ float fields(const std::vector<Field>& all) {
   return x;
 }
 
-void message(const Workspace& work, float wide) {
+/// What could not be opened, without its damage. Returns the room that is left.
+float offer_of_damaged(Workspace& work, float wide) {
+  if (work.damaged.empty() || !work.messages.is_error()) return wide;
+  const ImVec2 padding = ImGui::GetStyle().FramePadding;
+  const float begin = ImGui::GetCursorPosX();
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {padding.x, 0.0f});
+  const Command& command = *find_command("open-lenient");
+  if (ImGui::Button(command.title)) run(work, command);
+  ImGui::PopStyleVar();
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Leaves out what is damaged, and lists that in the tab Item");
+  ImGui::SameLine();
+  return wide - (ImGui::GetCursorPosX() - begin);
+}
+
+void message(Workspace& work, float width) {
+  const float wide = offer_of_damaged(work, width);
   const std::string& text = work.messages.text();
   const bool fits = ImGui::CalcTextSize(text.c_str()).x <= wide;
   if (work.messages.is_error()) ImGui::PushStyleColor(ImGuiCol_Text, kErrorColour);

@@ -34,6 +34,12 @@ std::string recognised_items(const importers::RecognitionReport& report) {
   return ", " + std::to_string(items) + " of them recognised in meshes";
 }
 
+std::string what_was_lost(std::size_t warnings) {
+  return warnings == 0 ? "; nothing was lost"
+                       : "; " + grouped(std::int64_t(warnings)) + (warnings == 1 ? " warning says" : " warnings say") +
+                             " what was lost: tab Item";
+}
+
 void print_error(const std::string& error) {
   std::fprintf(stderr, "sightline-view: %s\n", error.c_str());
 }
@@ -183,10 +189,14 @@ Done Viewer::recover() {
 Done Viewer::land() {
   if (!work_.opening.active() || work_.exports.busy()) return {};
   const std::vector<std::string> files = work_.opening.files();
+  const bool lenient = work_.opening.lenient();
   work_.image.place(work_.viewport());
   auto opened = work_.opening.step(work_.window.context(), {work_.image.part().width, work_.image.part().height});
-  if (!opened) return not_landed(opened.error(), files);
-  if (opened->session) return landed(std::move(opened->session));
+  if (!opened) {
+    if (!lenient && opened.error().message != importers::kCancelled) work_.damaged = readable_in_part(files);
+    return not_landed(opened.error(), files);
+  }
+  if (opened->session) return landed(std::move(opened->session), lenient);
   if (!opened->changes) return {};
   work_.pace.redraw();
   if (auto done = work_.session->begin_comparison(std::move(opened->changes)); !done)
@@ -205,7 +215,7 @@ Done Viewer::not_landed(const core::Error& error, const std::vector<std::string>
   return {};
 }
 
-Done Viewer::landed(std::unique_ptr<Session> session) {
+Done Viewer::landed(std::unique_ptr<Session> session, bool lenient) {
   const bool another = work_.session != nullptr, first = !another && session->files == work_.options.model.files;
   print_warnings(session->model().report.warnings);
   work_.gestures.forget_model();
@@ -235,6 +245,7 @@ Done Viewer::landed(std::unique_ptr<Session> session) {
   else
     work_.messages.tell(grouped(std::int64_t(open.scene().item_count())) + " items" +
                         recognised_items(open.model().report.recognition) +
+                        (lenient ? what_was_lost(open.model().report.warnings.size()) : "") +
                         (open.model().seems_y_up ? "; y seems to point up, so it is turned: File, Y is up" : ""));
   return {};
 }

@@ -23,7 +23,7 @@ class Viewer {
   Done step_exports();
   Done land();
   Done not_landed(const core::Error& error, const std::vector<std::string>& files);
-  Done landed(std::unique_ptr<Session> session);
+  Done landed(std::unique_ptr<Session> session, bool lenient);
   Done read_path();
 
   // When to draw, and how long to wait.

@@ -102,8 +102,9 @@ std::optional<SavedSession> Workspace::to_save() const {
   return saved;
 }
 
-void Workspace::open_models(const std::vector<std::string>& files) {
-  opening.open(files, image.config(shown), shown.recognise, !session);
+void Workspace::open_models(const std::vector<std::string>& files, bool lenient) {
+  damaged.clear();
+  opening.open(files, image.config(shown), shown.recognise, !session, lenient);
   if (shown.dialog == Dialog::kOpen) shown.dialog = Dialog::kNone;
   messages.tell("reading " + name_of_files(files));
 }

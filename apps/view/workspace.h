@@ -58,6 +58,8 @@ struct Workspace {
   void open(const std::vector<std::string>& files);
   /// The models of a session; once they are there, they are shown as it says (Workspace::returning).
   void open(SavedSession saved);
+  /// Models of which damaged parts are left out; their warnings name these.
+  void open_what_can_be_read(const std::vector<std::string>& files) { open_models(files, true); }
   std::optional<SavedSession> to_save() const;  ///< none where no model is open
   /// Shows the images of the model that is open as the switches say.
   Done apply_styles();
@@ -79,6 +81,7 @@ struct Workspace {
   std::unique_ptr<Session> session;       ///< null while no model is open
   std::optional<SavedSession> returning;  ///< how the models that are being read will be shown
   std::optional<SavedSession> last;       ///< what was open when the viewer was closed, until something else is open
+  std::vector<std::string> damaged;       ///< models that could not be opened, until something else is
   Opening opening;
   Exports exports;
   ImageLoop image;
@@ -93,7 +96,7 @@ struct Workspace {
   ImageTextures textures;  ///< of small images in panels
 
  private:
-  void open_models(const std::vector<std::string>& files);
+  void open_models(const std::vector<std::string>& files, bool lenient = false);
 };
 
 template <class PartOf>

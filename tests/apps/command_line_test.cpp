@@ -199,7 +199,7 @@ TEST_F(CommandLine, RenderRefusesBadOptions) {
   expect_usage_error("render", {"model.rvm", "--from", "above"}, "above");
   for (const char* bad : {"", "z", "z<", "w<3", "z=3", "z<3 miles", "z<nan", "z<3m4"})
     expect_usage_error("render", {"model.rvm", "--section", bad}, "z<12.3");
-  expect_usage_error("render", {"model.rvm", "--out", "image.jpg"}, "ends in .png");
+  expect_usage_error("render", {"model.rvm", "--out", "image.gif"}, "ends in .png");
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ TEST_F(RenderInputs, RefusesWhatNobodyWouldSeeBeforeAnyWork) {
   expect_usage_error("render", {path("none.stl"), "--size", "16x16"}, "--out is required");
   expect_usage_error("trace", {path("none.stl"), "--size", "16x16"}, "--out is required");
   for (const char* tool : {"render", "trace"}) {
-    for (const char* wrong : {"a.jpg", "a.PNG.jpeg", "a.pfm"})
+    for (const char* wrong : {"a.gif", "a.PNG.tif", "a.pfm"})
       expect_usage_error(tool, {path("none.stl"), "--out", path(wrong)}, "expected a name that ends in .png");
     expect_usage_error(tool, {path("none.stl"), "--depth", path("a.png")}, "expected a name that ends in .pfm");
   }

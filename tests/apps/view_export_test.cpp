@@ -63,18 +63,20 @@ TEST_F(ViewExport, DialogsAskForAFile) {
   EXPECT_TRUE(fs::exists(path("typed.rvm")));
 }
 
-TEST_F(ViewScript, ImagesArePngAndShowSomething) {
+TEST_F(ViewScript, ImagesAreOfTheFormatThatTheirNameSays) {
   const std::string model = boxes(), image = path("a.png");
   const Args args{model, "--size", kSize, "--no-panels"};
-  for (const char* step : {"screenshot ", "window-shot "}) {
-    const Outcome refused = drive("screenshot " + image + "\n" + step + path("b.jpg") + "\n", args);
+  for (const auto& [step, name] : {std::pair{"screenshot ", "b.gif"}, std::pair{"window-shot ", "b.jpg"}}) {
+    const Outcome refused = drive("screenshot " + image + "\n" + step + path(name) + "\n", args);
     EXPECT_EQ(refused.code, 1) << refused;
-    EXPECT_NE(refused.err.find(":2: " + path("b.jpg") + ": expected a name that ends in .png"), std::string::npos)
+    EXPECT_NE(refused.err.find(":2: " + path(name) + ": expected a name that ends in .png"), std::string::npos)
         << refused;
     EXPECT_FALSE(fs::exists(image)) << "refused before any work";
   }
-  const Outcome sized = drive("screenshot " + path("b.jpg") + " 64x64\n", args);
+  const Outcome sized = drive("screenshot " + path("b.gif") + " 64x64\n", args);
   EXPECT_EQ(sized.code, 1) << sized;
+  expect_driven("screenshot " + path("c.jpg") + "\nscreenshot " + path("d.jpg") + " 64x64\nwait 0.2\n", args);
+  for (const char* name : {"c.jpg", "d.jpg"}) EXPECT_TRUE(read_bytes(path(name)).starts_with("\xff\xd8\xff")) << name;
   const std::string cut = "front\nsection-z\nsection-move 1 -1000\n";
   for (const char* size : {"", " 64x64"}) {
     const Outcome empty = drive(cut + "screenshot " + image + size + "\n", args);
@@ -82,6 +84,29 @@ TEST_F(ViewScript, ImagesArePngAndShowSomething) {
     EXPECT_NE(empty.err.find("the sections leave nothing of the model"), std::string::npos) << empty;
     EXPECT_FALSE(fs::exists(image));
   }
+}
+
+TEST_F(ViewScript, ImagesHaveTheBackgroundThatIsAsked) {
+  const std::string model = boxes();
+  const Args args{model, "--size", kSize, "--no-panels"};
+  expect_driven("image-background 204080\nscreenshot " + path("blue.png") +
+                    " 80x60\nwait 0.2\n"
+                    "image-background transparent\nscreenshot " +
+                    path("clear.png") +
+                    "\nwait 0.2\n"
+                    "image-background shown\nscreenshot " +
+                    path("shown.png") + " 80x60\n",
+                args);
+  const auto blue = image::read_png(path("blue.png")), shown = image::read_png(path("shown.png"));
+  ASSERT_TRUE(blue && shown);
+  EXPECT_EQ(std::vector<int>(blue->pixels.begin(), blue->pixels.begin() + 3), (std::vector<int>{0x20, 0x40, 0x80}));
+  EXPECT_NE(blue->pixels, shown->pixels);
+  const std::string clear = read_bytes(path("clear.png"));
+  ASSERT_GT(clear.size(), 26u);
+  EXPECT_EQ(clear[25], 6) << "RGBA";
+  const Outcome refused = drive("image-background blurred\n", args);
+  EXPECT_EQ(refused.code, 1) << refused;
+  EXPECT_NE(refused.err.find("image-background: expected a colour"), std::string::npos) << refused;
 }
 
 TEST_F(ViewScript, RecordsAPathThatCanBePlayed) {
@@ -128,14 +153,15 @@ TEST_F(ViewScript, PlaysPathsAndWritesTheirFrames) {
   const std::string flight =
       write("flight.json", R"({"keys":[{"t":2,"eye":[0,-30,6],"target":[0,5,0],"up":[0,0,1],"fovy_deg":40},)"
                            R"({"t":2.5,"eye":[9,-25,9],"target":[0,5,0],"up":[0,0,1],"fovy_deg":50}],"near":0.1})");
-  expect_driven("orthographic\nplay-path " + flight +
-                    "\nexpect /playing = false\nexpect /camera/eye/0 = 9.0\nexpect /camera/orthographic = false\n"
-                    "select-all\npath-loop\npath-speed 0.5\nplay-path\nwait 0.2\nexpect /playing = true\npress escape\n"
-                    "expect /playing = false\nexpect /selection/count = 4\nplay-path\nmove 160 120\nwheel 1\nwait 0.1\nexpect "
-                    "/playing = false\n"
-                    "select-none\nplay-path\nplay-path\nexpect /playing = false\nfront\nwrite-frames " +
-                    folder + " 4 240x160\nexpect /message = \"3 frames: " + folder + "\"\nexpect /camera/eye/0 = 0.0\n",
-                {model, "--size", kSize, "--no-panels"});
+  expect_driven(
+      "orthographic\nplay-path " + flight +
+          "\nexpect /playing = false\nexpect /camera/eye/0 = 9.0\nexpect /camera/orthographic = false\n"
+          "select-all\npath-loop\npath-speed 0.5\nplay-path\nwait 0.2\nexpect /playing = true\npress escape\n"
+          "expect /playing = false\nexpect /selection/count = 4\nplay-path\nmove 160 120\nwheel 1\nwait 0.1\nexpect "
+          "/playing = false\n"
+          "select-none\nplay-path\nplay-path\nexpect /playing = false\nfront\nwrite-frames " +
+          folder + " 4 240x160\nexpect /message = \"3 frames: " + folder + "\"\nexpect /camera/eye/0 = 0.0\n",
+      {model, "--size", kSize, "--no-panels"});
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 3);
   for (int i = 0; i < 3; ++i) {
     const Outcome same =

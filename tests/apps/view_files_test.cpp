@@ -57,6 +57,18 @@ TEST_F(ViewFiles, AFileIsAppendedAndTheViewStays) {
                 opened());
 }
 
+TEST_F(ViewFiles, DamagedFilesOpenAsFarAsTheyCanBeRead) {
+  const std::string bad = in_models("bad.obj"), gone = in_models("gone.obj");
+  write("models/bad.obj", "o good\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no bad\nf 1 2 9\n");
+  const Json end = state_after("open " + gone + "\nexpect /damaged = []\nopen " + bad +
+                                     "\nexpect /items = 3\nexpect /damaged/0 = " + bad +
+                                     "\nopen-lenient\nexpect /items = 1\nexpect /damaged = []\n",
+                                 {in_models("b10.obj"), "--size", "800x600"});
+  EXPECT_NE(end["message"].get<std::string>().find("1 warning says what was lost"), std::string::npos)
+      << end["message"];
+  expect_driven("open-lenient " + bad + "\nexpect /items = 1\n", {"--size", "800x600"});
+}
+
 /// With a settings file of its own, a run keeps what was open, and the next one offers it.
 TEST_F(ViewFiles, TheLastSessionIsOffered) {
   const Args settings{"--settings", path("settings.json"), "--size", "800x600", "--scale", "1"};
