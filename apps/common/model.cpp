@@ -310,7 +310,7 @@ engine::Looks DrawnOptions::all_looks() const {
 
 engine::Looks DrawnOptions::looks_of(const core::Scene& scene) const {
   engine::Looks all = all_looks();
-  for (std::size_t i = 0; !edges && !plain && i < scene.mesh_slots(); ++i)
+  for (std::size_t i = 0; !edges && !plain && !all.edges.any() && i < scene.mesh_slots(); ++i)
     if (const core::MeshId mesh = scene.mesh_at(i);
         scene.contains(mesh) && !core::surfaces_stored_with(scene.mesh(mesh)).empty())
       all.edges.which = engine::EdgeChoice::kFeature;

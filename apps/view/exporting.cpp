@@ -24,6 +24,7 @@ namespace sightline::apps {
 namespace {
 
 constexpr double kFps = 25.0;
+constexpr float kChoiceLines = 12.0f;  // in lines of text
 constexpr std::array kSizes{std::pair{"4K", std::array{3840, 2160}}, std::pair{"8K", std::array{7680, 4320}},
                             std::pair{"16K", std::array{15360, 8640}}};
 
@@ -233,6 +234,7 @@ void background_choice(std::string& chosen) {
   const auto known = std::find_if(std::begin(kChoices), std::end(kChoices),
                                   [&](const auto& choice) { return chosen == choice.first; });
   const std::string shown = known == std::end(kChoices) ? "a colour" : known->second;
+  ImGui::SetNextItemWidth(kChoiceLines * ImGui::GetFontSize());
   if (ImGui::BeginCombo("background", shown.c_str())) {
     for (const auto& [value, words] : kChoices)
       if (ImGui::Selectable(words, chosen == value)) chosen = value;

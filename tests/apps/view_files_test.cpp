@@ -116,14 +116,14 @@ TEST_F(ViewFiles, ComparesWithAFile) {
 TEST_F(ViewFiles, SavesAnImageAndAsksBeforeReplacing) {
   const std::string image = in_models("shot.png");
   expect_driven(
-      "large-image\ntype x\npress escape\nlarge-image\nexpect /browser/name = a.png\ntype shot\nclick 57 487\npress "
+      "large-image\ntype x\npress escape\nlarge-image\nexpect /browser/name = a.png\ntype shot\nclick 57 472\npress "
       "enter\nexpect /dialog = none\n"
       "expect /message = \"image: " +
           image + "\"\n",
       opened());
   const std::string first = read_bytes(image);
   EXPECT_EQ(read_png(image).width, state_after("", opened())["image"]["width"].get<int>());
-  const std::string again = "top\nlarge-image\nclick 57 487\ntype shot\npress enter\nexpect /browser/replaces = true\n";
+  const std::string again = "top\nlarge-image\nclick 57 472\ntype shot\npress enter\nexpect /browser/replaces = true\n";
   expect_driven(again +
                     "press escape\nexpect /browser/replaces = false\nexpect /dialog = image\npress escape\n"
                     "expect /dialog = none\n",
