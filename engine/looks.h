@@ -45,8 +45,9 @@ constexpr std::string_view name_of(EdgeChoice choice) {
 /// items have none, nor have images of a budget that lack something, and the outlines of caps in sections. Outlines of
 /// round surfaces are no edges: DepthShading::edge_lines draws them.
 ///
-/// Edges of a mesh are found when it first shows: 0.2 us per index, 24 bytes per edge in GPU memory. A frame takes
-/// time by the visible items. Costs nothing where `which` is off.
+/// Edges of a mesh are found when it first shows: 0.2 us per index, 24 bytes per edge in GPU memory. A frame takes time
+/// by the items that show; with one sample per pixel its depth is read back to find these. Costs nothing where `which`
+/// is off.
 struct Edges {
   EdgeChoice which = EdgeChoice::kOff;
   float width = 1.5f;                      ///< pixels, 0.5 … 32

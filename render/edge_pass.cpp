@@ -185,8 +185,8 @@ core::Expected<void> EdgePass::draw(const RenderTarget& image, const core::View&
   set_view(curve_program_, image, view, style);
   framebuffer_.bind();
   gl.Viewport(0, 0, image.width(), image.height());
-  gl.Enable(GL_BLEND);
-  gl.BlendEquation(GL_MAX);
+  gl.Enablei(GL_BLEND, 0);
+  gl.BlendEquationSeparatei(0, GL_MAX, GL_MAX);
   gl.BindProgramPipeline(0);
   gl.BindTextureUnit(0, image.depth().id());
   draw_meshes(meshes);

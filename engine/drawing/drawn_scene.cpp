@@ -207,6 +207,7 @@ core::Expected<void> DrawnScene::draw_one(const core::Snapshot& snapshot, const 
   const Frame frame{*view, *view, snapshot};
   if (done) done = context_.draw(frame, {one, context_.target()});
   if (done) done = overlays_.draw_looks(context_, frame, one);
+  context_.image->pyramid_valid = false;  // it would be that of the small image
   if (!done) return done;
   context_.gl().Finish();
   return {};

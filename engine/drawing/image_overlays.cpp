@@ -116,6 +116,11 @@ core::Expected<void> ImageOverlays::draw_looks(DrawContext& context, const Frame
     if (!done) return done;
   }
   if (!context.config.drawing.looks.edges.any()) return {};
+  // By the depth of the whole image, whichever way it was drawn: so that the same items have lines in any case.
+  if (context.target().format().samples == 1) {
+    if (auto read = context.read_back_depth(frame.view, context.target()); !read) return read;
+    context.image->pyramid_valid = true;
+  }
   return edges_.draw(context, frame, leave_out_invisible(context, frame, opaque));
 }
 

@@ -58,9 +58,10 @@ class DrawnGrid : public GlTest {
     engine.finish();
     return true;
   }
-  /// An engine that changes its images: depth shading, ghosts, transparent items and one with an outline.
+  /// An engine that changes its images: depth shading, edges, ghosts, transparent items and one with an outline.
   static core::Expected<engine::Engine> create_with_overlays(core::Scene& scene, engine::EngineConfig c) {
     c.drawing.looks.depth_shading = {0.5f, 0.5f};
+    c.drawing.looks.edges.which = engine::EdgeChoice::kFeature;
     auto engine = engine::Engine::create(scene, c);
     if (!engine) return engine;
     std::vector<core::ItemId> ghosts, faded;

@@ -65,6 +65,7 @@ const Mode kModes[] = {
      [](EngineConfig& c) {
        c.drawing.looks.depth_shading = {0.5f, 0.5f};
      }},
+    {"edges", [](EngineConfig& c) { c.drawing.looks.edges.which = engine::EdgeChoice::kFeature; }, 6, true},
     {"samples", [](EngineConfig& c) { c.drawing.samples = 4; }, 6, true},
     {"overlays", [](EngineConfig& c) { c.drawing.transparency = engine::Transparency::kBlended; }, 6, false, true},
     {"overlays_in_samples",

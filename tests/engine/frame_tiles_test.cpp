@@ -138,6 +138,10 @@ INSTANTIATE_TEST_SUITE_P(, FrameTilesInAllModes,
                                  c.drawing.transparency = Transparency::kBlended;
                                  c.culling.culler = engine::CullerChoice::kGpu;
                                }},
+                              {"edges",
+                               [](EngineConfig& c) {
+                                 c.drawing.looks.edges.which = engine::EdgeChoice::kFeature;
+                               }},
                               {"depth_shading",
                                [](EngineConfig& c) {
                                  c.drawing.looks.depth_shading = {0.7f, 0.6f};
