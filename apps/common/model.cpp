@@ -89,7 +89,7 @@ void add_import_options(CommandLine& to, importers::ImportOptions& options) {
       .advanced();
   line.add_parsed("--chord-angle", options.chord_angle, parse_chord_angle,
                   "Degrees: the largest angle between neighbouring facets of such a surface's curves")
-      .default_text("20")
+      .default_text("12")
       .advanced();
   line.add_flag("--in-process", options.in_process,
                 "Read STEP, IGES and BREP in this process, which a hostile file then may crash")

@@ -189,11 +189,12 @@ Done Viewer::recover() {
 Done Viewer::land() {
   if (!work_.opening.active() || work_.exports.busy()) return {};
   const std::vector<std::string> files = work_.opening.files();
-  const bool lenient = work_.opening.lenient();
+  const bool lenient = work_.opening.lenient(), comparing = work_.opening.comparing();
   work_.image.place(work_.viewport());
   auto opened = work_.opening.step(work_.window.context(), {work_.image.part().width, work_.image.part().height});
   if (!opened) {
-    if (!lenient && opened.error().message != importers::kCancelled) work_.damaged = readable_in_part(files);
+    if (!lenient && !comparing && opened.error().message != importers::kCancelled)
+      work_.damaged = readable_in_part(files);
     return not_landed(opened.error(), files);
   }
   if (opened->session) return landed(std::move(opened->session), lenient);
@@ -209,7 +210,7 @@ Done Viewer::land() {
 Done Viewer::not_landed(const core::Error& error, const std::vector<std::string>& files) {
   const bool first = !work_.session && files == work_.options.model.files;
   if (first && (work_.options.frames > 0 || !work_.options.script.empty())) return tl::unexpected(error);
-  work_.returning.reset();
+  if (work_.damaged.empty()) work_.returning.reset();
   work_.messages.tell(error.message, true);
   if (first) print_error(error.message);
   return {};
