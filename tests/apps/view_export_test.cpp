@@ -1,4 +1,5 @@
 // sightline-view writes models, images, paths and frames: what is read back is what was shown. Skipped without Xvfb.
+#include "sightline/render/image/image.h"
 #include "sightline/tests/apps/view_window.h"
 
 namespace sightline::tests::view_export_test {

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "sightline/core/mesh_extras.h"
+#include "sightline/core/primitive.h"
 
 namespace sightline::core::mesh_edges_test {
 namespace {
