@@ -124,6 +124,10 @@ struct FrameInput {
   /// side. Null, or a view that shows the same (core::same_image): culls by `view`.
   const core::View* cull_view = nullptr;
   const gl::ExternalTarget* target = nullptr;  ///< a framebuffer that gets the image, too; null: none
+  /// The view is at rest though it differs from the last one, as those shifted views do whose mean has smooth edges.
+  /// With EngineConfig::losses.budget_ms the frame then draws what a second frame of the view would, and makes no
+  /// image of a moving view first unless that has all pixels.
+  bool at_rest = false;
 };
 
 struct EngineState;

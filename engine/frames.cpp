@@ -151,6 +151,7 @@ core::Expected<FrameReport> run_frame(EngineState& s, const FrameInput& input, c
   frame.overlaid = s.backend->has_overlays();
   frame.shows_unseen = s.shows_unseen(input.view, cull_view);
   frame.target = input.target;
+  frame.at_rest = input.at_rest;
   frame.blend_range = part.blend_range;
   frame.rows = part.rows;
   const auto tracer = tracer_of_frame(s);

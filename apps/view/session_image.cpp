@@ -93,7 +93,7 @@ core::Expected<bool> SessionImage::draw() {
   if (frozen_)
     if (auto done = frozen_->follow(engine_, seen->sections, document_.solid_version()); !done)
       return tl::unexpected(done.error());
-  const auto report = frame(*seen);
+  const auto report = frame(*seen, false);
   if (!report) return tl::unexpected(report.error());
   if (!report->drawn) return core::fail("the GL context was lost");
   drawn_ = *seen;
@@ -111,7 +111,7 @@ core::Expected<void> SessionImage::refine() {
   const core::dvec2 shift = shifts()[std::size_t(resting_.count())] / core::dvec2(size_[0], size_[1]);
   const auto view = this->view(shift);
   if (!view) return tl::unexpected(view.error());
-  const auto report = frame(*view);
+  const auto report = frame(*view, true);
   if (!report) return tl::unexpected(report.error());
   if (report->pending > 0) return {};
   const auto image = slider_.read_image(drawn_size());
@@ -166,8 +166,9 @@ core::Expected<void> SessionImage::use_context(gl::Context& context) {
   return engine_.use_context(context);
 }
 
-core::Expected<engine::FrameReport> SessionImage::frame(const core::View& view) {
-  return slider_.frame({.view = view, .cull_view = frozen_ ? &frozen_->view() : nullptr}, drawn_size());
+core::Expected<engine::FrameReport> SessionImage::frame(const core::View& view, bool at_rest) {
+  return slider_.frame({.view = view, .cull_view = frozen_ ? &frozen_->view() : nullptr, .at_rest = at_rest},
+                       drawn_size());
 }
 
 }  // namespace sightline::apps

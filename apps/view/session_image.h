@@ -88,7 +88,7 @@ class SessionImage {
 
  private:
   core::Expected<void> resize(const std::array<int, 2>& size, bool coarse);
-  core::Expected<engine::FrameReport> frame(const core::View& view);
+  core::Expected<engine::FrameReport> frame(const core::View& view, bool at_rest);
 
   engine::Engine& engine_;
   const Document& document_;

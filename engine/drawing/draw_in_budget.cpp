@@ -34,8 +34,8 @@ core::Expected<DrawCounts> DrawInBudget::draw(DrawContext& context, const Frame&
   const double began = core::now_seconds();
   const double frame_ends = frame.budget_began + kBudgetShare * 1e-3 * context.config.losses.budget_ms;
   ImageState& image = *context.image;
-  const bool stays = image.budget_view && core::same_image(*image.budget_view, frame.view);
-  const bool goes_on = stays && image.refines;
+  const bool same = image.budget_view && core::same_image(*image.budget_view, frame.view);
+  const bool stays = same || frame.at_rest, goes_on = same && image.refines;
   const bool splats = context.config.losses.contribution_mode != ContributionMode::kDrop;
   const bool beside = stays && (splats || frame.overlaid || image.shows_moving());
   DrawCounts& counts = image.budget_counts;

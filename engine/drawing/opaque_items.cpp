@@ -50,12 +50,13 @@ core::Expected<DrawCounts> OpaqueItems::draw(DrawContext& context, const Frame& 
   if (stays && image.whole) return keep_whole(image);
   const bool drawn = image.whole || (image.refines && image.budget.complete());  // all of the last image
   image.whole = false;
-  const bool refines = stays && image.shows_traced() && !image.traced->complete();
+  const bool refines = stays && !frame.at_rest && image.shows_traced() && !image.traced->complete();
   if (!stays) image.shown_step = 0;
   if (!stays && image.traced) image.traced->shown = false;
   const bool moves = context.software() && !frame.shows_unseen && !frame.aside() && (!stays || refines);
   if (!moves) return in_budget_.draw(context, frame, visible);
   image.resolution.begin(std::int64_t(frame.snapshot.count(visible)));
+  if (frame.at_rest && image.resolution.step() > 0) return in_budget_.draw(context, frame, visible);
   if (frame.tracer && (refines || image.resolution.step() > 0)) {
     if (!image.traced) image.traced.emplace();
     if (image.budget_view && drawn)

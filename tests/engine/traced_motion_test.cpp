@@ -1,7 +1,9 @@
 // Moving images within a budget that rays make, beside those of an engine without a budget; and what becomes of them at
 // rest.
 #include <cmath>
+#include <cstdint>
 #include <thread>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -161,6 +163,32 @@ TEST_P(TracedMotion, BeginsWithTheImageAtRest) {
   EXPECT_GT(report->earlier, 0.8);
   EXPECT_LT(report->coarseness, 1.1);
   expect_alike(*hurried, *all, 0.25, 0.25);
+}
+
+/// Frames at rest show no image of a moving view, however much each one shifts it, before and after motion.
+TEST_P(TracedMotion, IsNotTracedAtRest) {
+  auto hurried = create_with_overlays(scene, with(kTooShort)), all = create_with_overlays(scene, with(0.0));
+  ASSERT_TRUE(hurried && all);
+  ASSERT_TRUE(begin(*hurried));
+  for (const double turn : {0.4, 0.4002, 0.4004, 0.9}) {
+    SCOPED_TRACE(turn);
+    const core::View view = at(turn);
+    if (turn == 0.4004) {
+      const auto moving = hurried->frame(view);
+      ASSERT_TRUE(moving);
+      EXPECT_TRUE(traced(*moving));
+    }
+    std::int64_t pending = std::int64_t(scene.item_count()), before = pending + 1;
+    while (pending > 0 && pending < before) {
+      const auto report = hurried->frame({.view = view, .at_rest = true});
+      ASSERT_TRUE(report);
+      EXPECT_EQ(report->earlier, 0.0);
+      before = std::exchange(pending, report->pending);
+    }
+    EXPECT_EQ(pending, 0) << "each frame draws some";
+    ASSERT_TRUE(all->frame(view));
+    expect_alike(*hurried, *all, 1e-4, 2e-4);  // a line may lie as deep as a surface
+  }
 }
 
 /// Overlays are drawn once, while the image moves and at rest.

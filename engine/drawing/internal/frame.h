@@ -34,6 +34,7 @@ struct Frame {
   /// Items that the image of `cull_view` would not show are drawn, in DrawingConfig::culled_colour.
   bool shows_unseen = false;
   const gl::ExternalTarget* target = nullptr;  ///< gets the image, too, and has its size
+  bool at_rest = false;                        ///< as FrameInput has it
   std::optional<glm::vec2> blend_range = {};   ///< eye depths by which blended items are weighed
   /// Where the image reaches in that of which it is a part: 0 at its upper border, 1 at its lower.
   std::array<double, 2> rows{0.0, 1.0};
