@@ -265,15 +265,14 @@ Done open_or_ask(Workspace& work, const std::string& file) {
 }
 
 Done open_lenient(Workspace& work, const std::string& file) {
-  const std::vector<std::string> files = file.empty() ? work.damaged : std::vector{file};
-  if (files.empty()) return core::fail("open-lenient: expected FILE");
-  work.open_what_can_be_read(files);
-  return {};
+  if (!file.empty()) return work.open({file}, true), Done();
+  if (work.damaged.files.empty()) return core::fail("open-lenient: expected FILE");
+  return work.open_damaged(), Done();
 }
 
 Done toggle_up(Workspace& work, const std::string&) {
   work.opening.toggle_up(work.session.get());
-  if (work.session) work.open(work.files());
+  work.read_again();
   return {};
 }
 

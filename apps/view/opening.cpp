@@ -7,6 +7,7 @@
 
 #include "sightline/apps/view/window.h"
 #include "sightline/core/internal/platform/files.h"
+#include "sightline/importers/import.h"
 #include "sightline/importers/internal/extension.h"
 
 namespace sightline::apps {
@@ -22,22 +23,26 @@ std::string name_of_files(const std::vector<std::string>& files) {
   return name;
 }
 
-std::vector<std::string> readable_in_part(const std::vector<std::string>& files) {
-  const auto good = [](const std::string& file) {
-    const auto path = core::platform::path_of(file);
-    std::error_code none;
-    return std::filesystem::is_regular_file(path, none) && importers::lower_case_extension(path) != ".slc";
+bool readable_in_part(const std::vector<std::string>& files) {
+  const auto extension = [](const std::string& file) {
+    return importers::lower_case_extension(core::platform::path_of(file));
   };
-  return std::all_of(files.begin(), files.end(), good) ? files : std::vector<std::string>();
+  const auto is_model = [&](const std::string& file) {
+    std::error_code none;
+    return std::filesystem::is_regular_file(core::platform::path_of(file), none) &&
+           std::ranges::count(importers::known_extensions(), extension(file)) > 0;
+  };
+  const auto is_cache = [&](const std::string& file) { return extension(file) == ".slc"; };
+  return std::ranges::all_of(files, is_model) && !std::ranges::all_of(files, is_cache);
 }
 
-void Opening::open(const std::vector<std::string>& files, const engine::EngineConfig& config, bool recognise,
-                   bool previews, bool lenient) {
+void Opening::open(const std::vector<std::string>& files, const engine::EngineConfig& config, Reading reading,
+                   bool previews) {
   drop();
   ModelOptions model = options_;
   model.files = files;
-  model.import.recognise = recognise;
-  model.import.lenient |= lenient;
+  model.import.recognise = reading.recognise;
+  model.import.lenient |= reading.lenient;
   if (previews) {
     preview_ = std::make_unique<Preview>(config);
     model.follow = [preview = preview_.get()](const core::Scene& scene) {
@@ -45,7 +50,7 @@ void Opening::open(const std::vector<std::string>& files, const engine::EngineCo
     };
   }
   // The window goes on while the engine is made.
-  begin(model, [this, config, files, recognise](Model& read, const auto& go_on) -> core::Expected<void> {
+  begin(model, [this, config, files, reading](Model& read, const auto& go_on) -> core::Expected<void> {
     const auto part = [&](double share) { return go_on(kShareOfEngine * share); };
     if (!part(0.0)) return core::fail(std::string(importers::kCancelled));
     auto session = Session::open(std::move(read), config, part);
@@ -53,7 +58,7 @@ void Opening::open(const std::vector<std::string>& files, const engine::EngineCo
     if (!session) return tl::unexpected(session.error());
     opened_ = std::move(*session);
     opened_->files = files;
-    opened_->recognised = recognise;
+    opened_->reading = reading;
     opened_->set_default_budget(default_budget_ms_);
     return {};
   });
@@ -63,7 +68,8 @@ void Opening::compare(const std::string& file, const Session& open) {
   drop();
   ModelOptions older = options_;
   older.files = older_files(file, open.files);
-  older.import.recognise = open.recognised;
+  older.import.recognise = open.reading.recognise;
+  older.import.lenient |= open.reading.lenient;
   older.import.copies = importers::MeshCopies::kExact;  // similar copies may be moved by a little
   auto found = std::make_shared<Compared>();
   begin(older, [found, open = &open.model()](Model& model, const auto& progress) -> core::Expected<void> {

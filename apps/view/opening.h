@@ -19,10 +19,8 @@ class Opening {
       : options_(std::move(options)), default_budget_ms_(default_budget_ms) {}
 
   /// Begins to read and to make the session of these files, in place of what was being read. `config`: of its images;
-  /// `previews`: shows the largest items until the session is there; `lenient`: keeps what can be read of damaged
-  /// files.
-  void open(const std::vector<std::string>& files, const engine::EngineConfig& config, bool recognise, bool previews,
-            bool lenient = false);
+  /// `previews`: shows the largest items until the session is there.
+  void open(const std::vector<std::string>& files, const engine::EngineConfig& config, Reading reading, bool previews);
   /// Begins to read an older revision of what is open, which must stay until that is done.
   void compare(const std::string& file, const Session& open);
   void cancel();
@@ -76,8 +74,9 @@ class Opening {
   bool swapping_in_ = false;  // the loader is done, and opened_ is brought into the window's context
 };
 
-/// These files, if they are there and of formats whose readers can leave out damage; else none.
-std::vector<std::string> readable_in_part(const std::vector<std::string>& files);
+/// Whether reading these files again without what is damaged may help: all are models that are there, and the readers
+/// of some can leave out damage.
+bool readable_in_part(const std::vector<std::string>& files);
 
 /// "plant.rvm and 2 more".
 std::string name_of_files(const std::vector<std::string>& files);

@@ -19,13 +19,13 @@ constexpr std::uintmax_t kMostBytes = std::uintmax_t(64) << 20;
 constexpr int kDeepest = 64;
 
 /// Views as text are JSON.
-Json json_of(const std::string& views) {
+Json json_of_views(const std::string& views) {
   return json::parse(views).value();
 }
 
-core::Expected<std::string> model_of(const Json& json, const fs::path& folder) {
+core::Expected<std::string> model_of(const Json& json, const char* key, const fs::path& folder) {
   if (!json.is_object() || !json.contains("path") || !json["path"].is_string())
-    return core::fail("/files: expected objects with a \"path\"");
+    return core::fail(std::string("/") + key + ": expected objects with a \"path\"");
   const std::string path = json["path"].get<std::string>();
   std::error_code none;
   if (fs::exists(core::platform::path_of(path), none)) return path;
@@ -34,6 +34,13 @@ core::Expected<std::string> model_of(const Json& json, const fs::path& folder) {
     if (fs::exists(beside, none)) return core::platform::name_of(beside.lexically_normal());
   }
   return core::fail(path + ": is no longer there");
+}
+
+Json json_of(const std::string& model, const fs::path& folder) {
+  std::error_code none;
+  const fs::path path = fs::absolute(core::platform::path_of(model), none).lexically_normal();
+  return {{"path", core::platform::name_of(path)},
+          {"beside", core::platform::name_of(path.lexically_relative(folder))}};
 }
 
 bool switch_of(const Json& json, const char* key) {
@@ -46,12 +53,13 @@ core::Expected<SavedSession> session_of(const Json& json, const fs::path& folder
     return core::fail("expected a session with files and a view");
   SavedSession session;
   for (const Json& file : json["files"]) {
-    auto model = model_of(file, folder);
+    auto model = model_of(file, "files", folder);
     if (!model) return tl::unexpected(model.error());
     session.files.push_back(std::move(*model));
   }
   session.y_up = switch_of(json, "y_up");
-  session.recognise = switch_of(json, "recognise");
+  session.reading = {switch_of(json, "recognise"), switch_of(json, "lenient")};
+  if (json.contains("older")) session.older = model_of(json["older"], "older", folder).value_or("");
   auto now = parse_viewpoints(json["view"].dump(), "/view");
   if (!now) return tl::unexpected(now.error());
   session.now = std::move(now->front());
@@ -68,16 +76,16 @@ core::Expected<SavedSession> session_of(const Json& json, const fs::path& folder
 core::Expected<void> write_session(const SavedSession& session, const fs::path& file) {
   std::error_code none;
   const fs::path folder = fs::absolute(file, none).parent_path();
-  Json json{
-      {"sightline_session", 1}, {"files", Json::array()}, {"y_up", session.y_up}, {"recognise", session.recognise}};
-  for (const std::string& model : session.files) {
-    const fs::path path = fs::absolute(core::platform::path_of(model), none).lexically_normal();
-    json["files"].push_back({{"path", core::platform::name_of(path)},
-                             {"beside", core::platform::name_of(path.lexically_relative(folder))}});
-  }
-  json["view"] = json_of(format_viewpoint(session.now));
+  Json json{{"sightline_session", 1},
+            {"files", Json::array()},
+            {"y_up", session.y_up},
+            {"recognise", session.reading.recognise},
+            {"lenient", session.reading.lenient}};
+  for (const std::string& model : session.files) json["files"].push_back(json_of(model, folder));
+  if (!session.older.empty()) json["older"] = json_of(session.older, folder);
+  json["view"] = json_of_views(format_viewpoint(session.now));
   if (!session.views.empty()) {
-    json["views"] = json_of(format_viewpoints(session.views));
+    json["views"] = json_of_views(format_viewpoints(session.views));
     json["current"] = session.current;
   }
   const std::string text = to_text(json);

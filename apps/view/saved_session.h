@@ -1,7 +1,7 @@
 // What was open and how it was seen, to return to: a file that the viewer opens as it does models.
 //
 //   {"sightline_session":1, "files":[{"path":"/models/a.rvm", "beside":"a.rvm"}, …], "y_up":false, "recognise":false,
-//    "view":{…}, "views":{…}, "current":0}
+//    "lenient":false, "older":{"path":"/models/a0.rvm", "beside":"a0.rvm"}, "view":{…}, "views":{…}, "current":0}
 //
 // "view" and "views" are as in apps/viewpoints/viewpoint.h: camera, sections, measurements, colours, what is hidden,
 // faint and selected. "beside" is the path from the session's folder, which counts where "path" is no more, so that a
@@ -18,18 +18,26 @@
 
 namespace sightline::apps {
 
+/// How models are read, beside what the command line says.
+struct Reading {
+  bool recognise = false;  ///< primitives in meshes
+  bool lenient = false;    ///< keeps what can be read of damaged files
+};
+
 struct SavedSession {
   std::vector<std::string> files;  ///< of models, with absolute paths
   bool y_up = false;               ///< in files that do not say
-  bool recognise = false;          ///< primitives in meshes
+  Reading reading;
   Viewpoint now;
   std::vector<Viewpoint> views;
-  int current = -1;       ///< index of the current view; -1: none
-  bool appended = false;  ///< the last file is new, and shown whatever `now` hides; not kept
+  int current = -1;        ///< index of the current view; -1: none
+  std::string older = {};  ///< what it is compared with, with its absolute path; or empty
+  bool appended = false;   ///< the last file is new, and shown whatever `now` hides; not kept
 };
 
 core::Expected<void> write_session(const SavedSession& session, const std::filesystem::path& file);
-/// Fails where the file is no session, and where a model is in neither place.
+/// Fails where the file is no session, and where a model is in neither place; without an older revision
+/// that is in neither, nothing is compared.
 core::Expected<SavedSession> read_session(const std::filesystem::path& file);
 
 /// ".sightline"

@@ -18,6 +18,7 @@
 #include "sightline/apps/view/model_facts.h"
 #include "sightline/apps/view/model_tree.h"
 #include "sightline/apps/view/revision_slider.h"
+#include "sightline/apps/view/saved_session.h"
 #include "sightline/apps/view/sections.h"
 #include "sightline/apps/view/session_image.h"
 #include "sightline/apps/view/tree_states.h"
@@ -100,7 +101,7 @@ class Session {
   core::Expected<void> set_culler(engine::CullerChoice choice);
 
   std::vector<std::string> files;  ///< that were read
-  bool recognised = false;         ///< primitives in their meshes
+  Reading reading;                 ///< of these
   engine::Engine engine;
   Document document;
   ModelTree tree;

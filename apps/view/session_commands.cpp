@@ -22,7 +22,7 @@ Done append_model(Workspace& work, const std::string& file) {
   if (file.empty()) return work.shown.dialog = Dialog::kAppend, Done();
   auto saved = work.to_save();
   if (!saved) return core::fail("open a model first");
-  saved->recognise = work.shown.recognise;
+  saved->reading.recognise = work.shown.recognise;
   saved->files.push_back(file);
   saved->appended = !importers::is_attribute_file(file);
   work.open(std::move(*saved));
@@ -43,6 +43,8 @@ Done show_returning(Workspace& work) {
   if (saved.appended)
     if (auto done = session.document.show(items_below(session.scene(), session.model().report.nodes.back())); !done)
       return done;
+  if (!saved.older.empty())
+    if (auto done = compare_with(work, saved.older); !done) return done;
   if (*missing > 0) work.messages.tell(std::to_string(*missing) + " parts of the session are no longer there", true);
   return {};
 }

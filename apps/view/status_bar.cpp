@@ -72,7 +72,7 @@ float fields(const std::vector<Field>& all) {
 
 /// What could not be opened, without its damage. Returns the room that is left.
 float offer_of_damaged(Workspace& work, float wide) {
-  if (work.damaged.empty() || !work.messages.is_error()) return wide;
+  if (!work.offers_damaged()) return wide;
   const ImVec2 padding = ImGui::GetStyle().FramePadding;
   const float begin = ImGui::GetCursorPosX();
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {padding.x, 0.0f});

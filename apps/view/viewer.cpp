@@ -13,6 +13,7 @@
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/view/actions.h"
+#include "sightline/importers/import.h"
 #include "sightline/importers/view_json.h"
 
 namespace sightline::apps {
@@ -34,10 +35,12 @@ std::string recognised_items(const importers::RecognitionReport& report) {
   return ", " + std::to_string(items) + " of them recognised in meshes";
 }
 
-std::string what_was_lost(std::size_t warnings) {
-  return warnings == 0 ? "; nothing was lost"
-                       : "; " + grouped(std::int64_t(warnings)) + (warnings == 1 ? " warning says" : " warnings say") +
-                             " what was lost: tab Item";
+std::string what_was_lost(const std::vector<importers::ImportWarning>& warnings) {
+  const auto lost =
+      std::ranges::count_if(warnings, [](const auto& one) { return one.message != importers::kSeemsYUp; });
+  return lost == 0
+             ? "; nothing was lost"
+             : "; " + grouped(lost) + (lost == 1 ? " warning says" : " warnings say") + " what was lost: tab Item";
 }
 
 void print_error(const std::string& error) {
@@ -193,8 +196,8 @@ Done Viewer::land() {
   work_.image.place(work_.viewport());
   auto opened = work_.opening.step(work_.window.context(), {work_.image.part().width, work_.image.part().height});
   if (!opened) {
-    if (!lenient && !comparing && opened.error().message != importers::kCancelled)
-      work_.damaged = readable_in_part(files);
+    if (!lenient && !comparing && opened.error().message != importers::kCancelled && readable_in_part(files))
+      work_.damaged = {files, opened.error().message};
     return not_landed(opened.error(), files);
   }
   if (opened->session) return landed(std::move(opened->session), lenient);
@@ -210,7 +213,7 @@ Done Viewer::land() {
 Done Viewer::not_landed(const core::Error& error, const std::vector<std::string>& files) {
   const bool first = !work_.session && files == work_.options.model.files;
   if (first && (work_.options.frames > 0 || !work_.options.script.empty())) return tl::unexpected(error);
-  if (work_.damaged.empty()) work_.returning.reset();
+  if (work_.damaged.files.empty()) work_.returning.reset();
   work_.messages.tell(error.message, true);
   if (first) print_error(error.message);
   return {};
@@ -246,7 +249,7 @@ Done Viewer::landed(std::unique_ptr<Session> session, bool lenient) {
   else
     work_.messages.tell(grouped(std::int64_t(open.scene().item_count())) + " items" +
                         recognised_items(open.model().report.recognition) +
-                        (lenient ? what_was_lost(open.model().report.warnings.size()) : "") +
+                        (lenient ? what_was_lost(open.model().report.warnings) : "") +
                         (open.model().seems_y_up ? "; y seems to point up, so it is turned: File, Y is up" : ""));
   return {};
 }

@@ -95,7 +95,7 @@ Json window_json(const Workspace& work) {
           {"level", name_of(work.shown.level)},
           {"theme", work.shown.light ? "light" : "dark"},
           {"recent", work.shown.recent},
-          {"damaged", work.damaged},
+          {"damaged", work.damaged.files},
           {"sets", work.shown.sets},
           {"walk", work.gestures.walking()},
           {"triad", work.shown.triad},

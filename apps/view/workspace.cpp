@@ -75,36 +75,51 @@ LengthFormat Workspace::lengths() const {
   return length_format(shown.units, std::max({size.x, size.y, size.z}), plant);
 }
 
-void Workspace::open(const std::vector<std::string>& files) {
+void Workspace::open(const std::vector<std::string>& files, bool lenient) {
   returning.reset();
   if (files.size() == 1 && session_format().has(core::platform::path_of(files[0]))) {
     auto read = read_session(core::platform::path_of(files[0]));
     if (!read) return messages.tell(read.error().message, true);
+    read->reading.lenient |= lenient;
     return open(std::move(*read));
   }
-  open_models(files);
+  open_models(files, lenient);
 }
 
 void Workspace::open(SavedSession saved) {
   if (opening.y_is_up(nullptr) != saved.y_up) opening.toggle_up(nullptr);
-  shown.recognise = saved.recognise;
+  shown.recognise = saved.reading.recognise;
   returning = std::move(saved);
-  open_models(returning->files);
+  open_models(returning->files, returning->reading.lenient);
+}
+
+/// A session that they are of is shown as it says.
+void Workspace::open_damaged() {
+  const std::vector<std::string> files = damaged.files;
+  open_models(files, true);
+}
+
+void Workspace::read_again() {
+  returning.reset();
+  if (session) open_models(session->files, session->reading.lenient);
 }
 
 std::optional<SavedSession> Workspace::to_save() const {
   if (!session) return std::nullopt;
-  SavedSession saved{session->files, opening.y_is_up(nullptr), session->recognised, session->viewpoint(),
+  SavedSession saved{session->files, opening.y_is_up(nullptr), session->reading, session->viewpoint(),
                      views.all(),    views.current_index()};
-  std::error_code none;
-  for (std::string& file : saved.files)
-    file = core::platform::name_of(std::filesystem::absolute(core::platform::path_of(file), none).lexically_normal());
+  const auto absolute = [](const std::string& file) {
+    std::error_code none;
+    return core::platform::name_of(std::filesystem::absolute(core::platform::path_of(file), none).lexically_normal());
+  };
+  for (std::string& file : saved.files) file = absolute(file);
+  if (const ChangeList* changes = session->changes()) saved.older = absolute(changes->file());
   return saved;
 }
 
 void Workspace::open_models(const std::vector<std::string>& files, bool lenient) {
-  damaged.clear();
-  opening.open(files, image.config(shown), shown.recognise, !session, lenient);
+  damaged = {};
+  opening.open(files, image.config(shown), {shown.recognise, lenient}, !session);
   if (shown.dialog == Dialog::kOpen) shown.dialog = Dialog::kNone;
   messages.tell("reading " + name_of_files(files));
 }

@@ -46,6 +46,12 @@ struct Pace {
   int recovered = 0;              ///< times that the context was made anew
 };
 
+/// Models that could not be opened though some of them may be readable in part, and why.
+struct Damaged {
+  std::vector<std::string> files;
+  std::string message;
+};
+
 struct Workspace {
   /// In a window that must outlive it.
   Workspace(const ViewerOptions& asked_for, Window& in, Gui widgets, const Settings& settings);
@@ -54,12 +60,15 @@ struct Workspace {
   Part viewport() const;
   LengthFormat lengths() const;  ///< of the open model
   std::vector<std::string> files() const { return session ? session->files : std::vector<std::string>(); }
-  /// Models, or one saved session.
-  void open(const std::vector<std::string>& files);
+  /// Models, or one saved session; `lenient`: without what is damaged.
+  void open(const std::vector<std::string>& files, bool lenient = false);
   /// The models of a session; once they are there, they are shown as it says (Workspace::returning).
   void open(SavedSession saved);
-  /// Models of which damaged parts are left out; their warnings name these.
-  void open_what_can_be_read(const std::vector<std::string>& files) { open_models(files, true); }
+  /// What could not be opened, without what is damaged; warnings name that.
+  void open_damaged();
+  bool offers_damaged() const { return !damaged.files.empty() && damaged.message == messages.text(); }
+  /// What is open, as it was read but for the switches that hold now.
+  void read_again();
   std::optional<SavedSession> to_save() const;  ///< none where no model is open
   /// Shows the images of the model that is open as the switches say.
   Done apply_styles();
@@ -81,7 +90,7 @@ struct Workspace {
   std::unique_ptr<Session> session;       ///< null while no model is open
   std::optional<SavedSession> returning;  ///< how the models that are being read will be shown
   std::optional<SavedSession> last;       ///< what was open when the viewer was closed, until something else is open
-  std::vector<std::string> damaged;       ///< models that could not be opened, until something else is
+  Damaged damaged;                        ///< until something else is opened
   Opening opening;
   Exports exports;
   ImageLoop image;
@@ -96,7 +105,7 @@ struct Workspace {
   ImageTextures textures;  ///< of small images in panels
 
  private:
-  void open_models(const std::vector<std::string>& files, bool lenient = false);
+  void open_models(const std::vector<std::string>& files, bool lenient);
 };
 
 template <class PartOf>

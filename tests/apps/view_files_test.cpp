@@ -61,12 +61,30 @@ TEST_F(ViewFiles, DamagedFilesOpenAsFarAsTheyCanBeRead) {
   const std::string bad = in_models("bad.obj"), gone = in_models("gone.obj");
   write("models/bad.obj", "o good\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no bad\nf 1 2 9\n");
   const Json end = state_after("open " + gone + "\nexpect /damaged = []\nopen " + bad +
-                                     "\nexpect /items = 3\nexpect /damaged/0 = " + bad +
-                                     "\nopen-lenient\nexpect /items = 1\nexpect /damaged = []\n",
-                                 {in_models("b10.obj"), "--size", "800x600"});
+                                   "\nexpect /items = 3\nexpect /damaged/0 = " + bad +
+                                   "\nopen-lenient\nexpect /items = 1\nexpect /damaged = []\n",
+                               {in_models("b10.obj"), "--size", "800x600"});
   EXPECT_NE(end["message"].get<std::string>().find("1 warning says what was lost"), std::string::npos)
       << end["message"];
-  expect_driven("open-lenient " + bad + "\nexpect /items = 1\n", {"--size", "800x600"});
+  write_boxes("models/sub/b2.obj", {{"one", 0, 0, 0, 1}});
+  // It stays open, however it is read again.
+  const std::string session = path("bad.sightline");
+  expect_driven("open-lenient " + bad + "\nexpect /items = 1\ny-up\nexpect /items = 1\nappend " + in_models("b2.obj") +
+                    "\nexpect /items = 3\ncompare " + in_models("sub/b2.obj") +
+                    "\nexpect /compare/added = 1\nsession-save " + session + "\n",
+                {"--size", "800x600"});
+  expect_driven("expect /items = 3\nexpect /compare/added = 1\n", {session, "--size", "800x600"});
+  // A session that was saved before the file was damaged.
+  std::string strict = read_bytes(session);
+  const std::size_t at = strict.find("\"lenient\": true");
+  ASSERT_NE(at, std::string::npos) << strict;
+  write("strict.sightline", strict.replace(at, 15, "\"lenient\": false"));
+  expect_driven("open " + path("strict.sightline") + "\nexpect /items = 1\nexpect /damaged/0 = " + bad +
+                    "\nopen-lenient\nexpect /items = 3\nexpect /compare/added = 1\n",
+                {in_models("a.obj"), "--size", "800x600"});
+  expect_driven("open-lenient " + path("strict.sightline") + "\nexpect /items = 3\nopen " + in_models("readme.md") +
+                    "\nexpect /damaged = []\n",
+                {"--size", "800x600"});
 }
 
 /// With a settings file of its own, a run keeps what was open, and the next one offers it.

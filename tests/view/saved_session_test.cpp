@@ -15,7 +15,7 @@ class SavedSessionTest : public testing::Test {
   void SetUp() override {
     fs::remove_all(folder_);
     fs::create_directories(folder_ / "models");
-    std::ofstream(folder_ / "models" / "a ü.rvm") << "a";
+    for (const char* name : {"a ü.rvm", "older.rvm"}) std::ofstream(folder_ / "models" / name) << "a";
   }
   void TearDown() override { fs::remove_all(folder_); }
   std::string error(const std::string& text) const {
@@ -31,6 +31,8 @@ SavedSession session_of(const fs::path& model) {
   SavedSession session;
   session.files = {model.string()};
   session.y_up = true;
+  session.reading.lenient = true;
+  session.older = (model.parent_path() / "older.rvm").string();
   session.now.pose = {{1, 2, 3}, {4, 5, 6}};
   session.now.sections = {{{0, 0, 1}, -2.0}};
   session.now.colour_by = "System";
@@ -49,7 +51,9 @@ TEST_F(SavedSessionTest, ComesBackAndMovesWithItsFolder) {
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->files, written.files);
   EXPECT_TRUE(read->y_up);
-  EXPECT_FALSE(read->recognise);
+  EXPECT_FALSE(read->reading.recognise);
+  EXPECT_TRUE(read->reading.lenient);
+  EXPECT_EQ(read->older, written.older);
   EXPECT_EQ(read->now.pose.eye, written.now.pose.eye);
   EXPECT_EQ(read->now.colour_by, "System");
   EXPECT_EQ(read->now.measurements, written.now.measurements);
@@ -66,6 +70,11 @@ TEST_F(SavedSessionTest, ComesBackAndMovesWithItsFolder) {
   read = read_session(moved / "s.sightline");
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_TRUE(fs::equivalent(read->files[0], moved / "models" / "a ü.rvm"));
+  EXPECT_TRUE(fs::equivalent(read->older, moved / "models" / "older.rvm"));
+  fs::remove(moved / "models" / "older.rvm");
+  read = read_session(moved / "s.sightline");
+  ASSERT_TRUE(read) << "without the older revision";
+  EXPECT_EQ(read->older, "");
   fs::remove_all(moved / "models");
   EXPECT_FALSE(read_session(moved / "s.sightline"));
 }
