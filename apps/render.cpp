@@ -482,7 +482,7 @@ Studio make_studio(const Options& o, const engine::ScenePart& part) {
   apps::note_rays(engine);
   if (o.model.explain) apps::explain(engine.plan());
   auto colours = need(apps::apply_styles(o.styles, *model.scene, engine));
-  if (!colours.groups.empty()) std::fputs(apps::legend_text(colours).c_str(), apps::table_stream(o.json_file));
+  std::fputs(apps::legend_text(colours).c_str(), apps::table_stream(o.json_file));
   return Studio{std::move(model), std::move(engine), size, std::move(tiles), std::move(colours)};
 }
 

@@ -8,11 +8,13 @@
 #include "sightline/apps/common/controller_trace.h"
 #include "sightline/apps/common/flight.h"
 #include "sightline/apps/common/frame_words.h"
+#include "sightline/apps/common/legend.h"
 #include "sightline/apps/common/model.h"
 #include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
 #include "sightline/apps/common/statistics.h"
+#include "sightline/apps/common/style_options.h"
 #include "sightline/apps/common/svg_plot.h"
 #include "sightline/apps/mpi/session.h"
 #include "sightline/core/internal/platform/files.h"
@@ -38,7 +40,7 @@ using Json = json::Value;
 
 struct Options {
   apps::ModelOptions model;
-  std::string path, save_path, size = "1280x720", json_file, csv, plot, images;
+  std::string path, save_path, size = "1280x720", json_file, csv, plot, images, colour_by;
   engine::CullerChoice culler = engine::CullerChoice::kAutomatic;
   std::optional<culling::GpuVariant> gpu_variant;
   int samples = 1;
@@ -96,6 +98,7 @@ void add_options(apps::CommandLine& line, Options& o) {
                                   .metavar("FOLDER")
                                   .excludes(no_render);
   general.add("--every", o.every, "With --images: N").shows_default().needs(images).positive();
+  apps::add_colour_option(line, o.colour_by).needs(images);
   add_controller_options(line, o);
   const apps::Option mpi =
       line.add_flag("--mpi", o.mpi,
@@ -368,6 +371,8 @@ Flown prepare(const Options& o, const engine::ScenePart& part) {
   need(engine.finish_levels());
   apps::note_rays(engine);
   if (o.model.explain) apps::explain(engine.plan());
+  const auto colours = need(apps::apply_colours(o.colour_by, *model.scene, engine));
+  std::fputs(apps::legend_text(colours).c_str(), apps::table_stream(o.json_file));
   std::optional<core::Snapshot> whole;  // the tour is that of the whole
   if (part.count > 1) whole.emplace(*model.scene);
   auto path = choose_path(o, model, whole ? *whole : engine.snapshot());

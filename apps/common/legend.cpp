@@ -6,6 +6,7 @@
 namespace sightline::apps {
 
 std::string legend_text(const query::Colouring& colouring) {
+  if (colouring.groups.empty()) return {};
   std::string text = "colours: " + colouring.key + "\n";
   for (const query::ColourGroup& group : colouring.groups)
     text += "  " + hex_of(group.colour) + "  " + group.label + "  (" + grouped(group.items) + ")\n";

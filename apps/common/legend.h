@@ -8,7 +8,7 @@
 
 namespace sightline::apps {
 
-/// A line for the key, and one for each group: "  #332288  CW  (1,234)".
+/// A line for the key, and one for each group: "  #332288  CW  (1,234)"; nothing where there are no groups.
 std::string legend_text(const query::Colouring& colouring);
 /// {"key":"…", "groups":[{"label":"…", "colour":"#332288", "items":1234}]}; null where there are no groups.
 json::Value legend_json(const query::Colouring& colouring);

@@ -36,6 +36,10 @@ core::Expected<void> give_coloured(const std::vector<ItemId>& items, engine::Ite
 
 }  // namespace
 
+Option add_colour_option(CommandLine& line, std::string& key) {
+  return line.add("--colour-by", key, "Colour items by an attribute, or by @kind, @material, @file, …").metavar("KEY");
+}
+
 void add_style_options(CommandLine& line, StyleOptions& options) {
   const auto add = [&](const char* name, std::vector<std::string>& texts, const std::string& help) {
     return add_part_option(line, name, texts, help);
@@ -43,8 +47,7 @@ void add_style_options(CommandLine& line, StyleOptions& options) {
   add("--isolate", options.isolate, "Show parts alone: " + kPartForms);
   add("--hide", options.hide, "Hide parts");
   add("--highlight", options.highlight, "Show parts in orange, outlined");
-  line.add("--colour-by", options.colour_by, "Colour items by an attribute, or by @kind, @material, @file, …")
-      .metavar("KEY");
+  add_colour_option(line, options.colour_by);
   add("--ghost-others", options.ghost_others, "Show all but these parts as faint shells").advanced();
   add("--ghost", options.ghost, "Show parts as faint shells that hide nothing").advanced();
   add("--fade", options.fade, "Show parts transparent").advanced();
@@ -56,10 +59,18 @@ void add_style_options(CommandLine& line, StyleOptions& options) {
       .advanced();
 }
 
+core::Expected<query::Colouring> apply_colours(const std::string& key, const core::Scene& scene,
+                                               engine::Engine& engine) {
+  if (key.empty()) return query::Colouring{};
+  auto colouring = query::colour_by(scene, key);
+  if (!colouring) return colouring;
+  const auto done = give_coloured(*items_of(scene, {}, true, true), {}, *colouring, engine);
+  return done ? std::move(colouring) : tl::unexpected(done.error());
+}
+
 core::Expected<query::Colouring> apply_styles(const StyleOptions& options, const core::Scene& scene,
                                               engine::Engine& engine) {
-  core::Expected<query::Colouring> colouring;
-  if (!options.colour_by.empty()) colouring = query::colour_by(scene, options.colour_by);
+  auto colouring = apply_colours(options.colour_by, scene, engine);
   if (!colouring) return colouring;
   const auto with = [&](const std::vector<std::string>& texts, bool others, const auto& work) -> core::Expected<void> {
     if (texts.empty()) return {};
@@ -73,9 +84,7 @@ core::Expected<query::Colouring> apply_styles(const StyleOptions& options, const
       return coloured ? give_coloured(items, style, *colouring, engine) : engine.set_override(items, style);
     };
   };
-  core::Expected<void> done;
-  if (!colouring->groups.empty()) done = give({})(*items_of(scene, {}, true, true));
-  if (done) done = with(options.isolate, true, hide);
+  core::Expected<void> done = with(options.isolate, true, hide);
   if (done) done = with(options.hide, false, hide);
   if (done) done = with(options.ghost_others, true, give({.ghost = true}));
   if (done) done = with(options.ghost, false, give({.ghost = true}));

@@ -49,6 +49,7 @@ struct Settings {
   std::array<int, 2> size{640, 360};
   int samples = 1;
   bool standard_looks = false;
+  std::string colour_by;
   Limits limits;
 };
 
@@ -136,6 +137,7 @@ void read_settings(const Place& at, Settings& settings) {
   if (at.has("size")) settings.size = at.at("size").accepted(parse_size(at.at("size").text()));
   if (at.has("samples")) settings.samples = at.at("samples").count(1, 32);
   if (at.has("looks")) settings.standard_looks = !at.at("looks").first_of("plain", "standard");
+  if (at.has("colour_by")) settings.colour_by = at.value["colour_by"].is_null() ? "" : at.at("colour_by").text();
   if (at.has("limits")) read_limits(at.at("limits"), settings.limits);
 }
 
@@ -155,7 +157,7 @@ class SuiteReader {
   }
 
   Suite read(const Place& at) {
-    check_keys(at, {"name", "references", "size", "samples", "looks", "limits", "models"});
+    check_keys(at, {"name", "references", "size", "samples", "looks", "colour_by", "limits", "models"});
     if (at.has("name")) suite_.name = name_at(at);
     suite_.references = folder_ / (at.has("references") ? at.at("references").text() : "references");
     Settings settings;
@@ -167,7 +169,7 @@ class SuiteReader {
  private:
   void read_model(const Place& at, Settings settings) {
     check_keys(at, {"name", "files", "translate", "units", "up", "lenient", "recognise", "size", "samples", "looks",
-                    "limits", "views"});
+                    "colour_by", "limits", "views"});
     const std::string name = name_at(at);
     for (const SuiteModel& other : suite_.models)
       if (other.name == name) at.at("name").expected("another name than that of the models before");
@@ -198,7 +200,8 @@ class SuiteReader {
   }
 
   void read_view(const Place& at, Settings settings) {
-    check_keys(at, {"name", "view", "path", "frame", "frames", "size", "samples", "looks", "limits", "allow_empty"});
+    check_keys(at, {"name", "view", "path", "frame", "frames", "size", "samples", "looks", "colour_by", "limits",
+                    "allow_empty"});
     const std::string name = name_at(at);
     read_settings(at, settings);
     if (at.has("view") && at.has("path")) at.refuse("has a view and a path; expected one");
@@ -246,6 +249,7 @@ class SuiteReader {
               .size = settings.size,
               .samples = settings.samples,
               .standard_looks = settings.standard_looks,
+              .colour_by = settings.colour_by,
               .allow_empty = at.has("allow_empty") && at.at("allow_empty").flag(),
               .limits = settings.limits,
               .key = ""};
@@ -261,7 +265,8 @@ class SuiteReader {
     text << options.translate << import_arguments(options.import) << '\n'
          << what << '\n'
          << task.size[0] << 'x' << task.size[1] << ' ' << task.samples << ' ' << task.limits.ids.has_value()
-         << (task.standard_looks ? " standard" : "") << (task.allow_empty ? " empty" : "");
+         << (task.standard_looks ? " standard" : "") << (task.allow_empty ? " empty" : "")
+         << (task.colour_by.empty() ? "" : "\ncolours " + task.colour_by);
     task.key = hash_of(text.str());
     suite_.tasks.push_back(std::move(task));
   }

@@ -37,6 +37,7 @@ struct Task {
   std::array<int, 2> size{};
   int samples = 1;
   bool standard_looks = false;  ///< engine::Looks::standard(), with samples that are images of their own
+  std::string colour_by;        ///< a key of query::colour_by(); empty: the model's own colours
   bool allow_empty = false;     ///< the view's sections may leave nothing
   Limits limits;
   std::string key;  ///< equal where the same is to be drawn; limits do not count, nor what files hold

@@ -1,6 +1,7 @@
 #include "sightline/apps/regress/task_drawer.h"
 
 #include "sightline/apps/common/need.h"
+#include "sightline/apps/common/style_options.h"
 #include "sightline/apps/common/tiled_image.h"
 #include "sightline/apps/common/view_options.h"
 #include "sightline/core/internal/clock.h"
@@ -66,7 +67,7 @@ engine::ImageTiles TaskDrawer::prepare(const Task& task) {
   config.culling.occlusion = engine::OcclusionChoice::kOff;  // what it draws first depends on the frame before
   const bool whole = std::max(task.size[0], task.size[1]) <= kLargestWhole;
   auto tiles = need(tiles_for(task.size, whole ? kLargestWhole : kTileSide, config));
-  if (engine_ && engine_->config().drawing.samples == config.drawing.samples &&
+  if (engine_ && coloured_by_ == task.colour_by && engine_->config().drawing.samples == config.drawing.samples &&
       engine_->config().drawing.ids == config.drawing.ids) {
     need(engine_->resize(tiles.width, tiles.height));
     engine::EngineConfig changed = engine_->config();
@@ -78,6 +79,8 @@ engine::ImageTiles TaskDrawer::prepare(const Task& task) {
   config.height = tiles.height;
   engine_.reset();
   engine_ = need(engine::Engine::create(*read_->scene, config));
+  need(apply_colours(task.colour_by, *read_->scene, *engine_));
+  coloured_by_ = task.colour_by;
   return tiles;
 }
 

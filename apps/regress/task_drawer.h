@@ -32,6 +32,7 @@ class TaskDrawer {
   std::optional<std::size_t> model_;  // in the suite, that is read
   std::optional<Model> read_;
   std::optional<engine::Engine> engine_;
+  std::string coloured_by_;  // its items, as Task::colour_by
 };
 
 }  // namespace sightline::apps

@@ -3,10 +3,13 @@
 #include <set>
 
 #include "sightline/apps/common/flight.h"
+#include "sightline/apps/common/legend.h"
 #include "sightline/apps/common/statistics.h"
+#include "sightline/apps/common/style_options.h"
 #include "sightline/apps/report/answer.h"
 #include "sightline/apps/report/heavy_parts.h"
 #include "sightline/apps/report/report.h"
+#include "sightline/core/internal/platform/console.h"
 
 namespace sightline::apps {
 namespace {
@@ -64,18 +67,32 @@ std::vector<std::string> losses_of(const importers::ImportReport& imported) {
   return losses;
 }
 
+void show_legend(const query::Colouring& colours, HtmlBody& html) {
+  std::vector<Badge> badges;
+  std::vector<std::vector<std::string>> rows;
+  for (const query::ColourGroup& group : colours.groups) {
+    badges.push_back({hex_of(group.colour), group.colour});
+    rows.push_back({group.label, grouped(std::int64_t(group.items))});
+  }
+  html.table({colours.key, "items"}, rows, {"What the colours mean.", ""}, badges);
+}
+
 void show_image(const Report& report, Section& section) {
   engine::EngineConfig config = report.engine_config();
   config.drawing.looks = DrawnOptions{.looks = engine::Looks::standard()}.looks_of(report.scene());
   config.drawing.samples = std::min(kImageSamples, report.context().capabilities().max_samples);
   auto engine = need(engine::Engine::create(report.scene(), config));
+  const std::string& key = report.options().colour_by;
+  const query::Colouring colours = need(apply_colours(key, report.scene(), engine));
   const ReportView& place = report.views().front();
   need(engine.frame(place.view));
   const std::array images{LabelledImage{place.name, need(engine.read_colour())}};
-  need(section.html.images(
-      images,
-      {model_words(report), report.command("render", place.options + " " + report.size_option() + " --out image.png")},
-      1));
+  const std::string coloured = key.empty() ? "" : " --colour-by " + core::platform::shell_word(key);
+  const std::string image = place.options + " " + report.size_option() + coloured + " --out image.png";
+  need(section.html.images(images, {model_words(report), report.command("render", image)}, 1));
+  if (colours.groups.empty()) return;
+  show_legend(colours, section.html);
+  section.results["colours"] = legend_json(colours);
 }
 
 void show_losses(const Report& report, Section& section) {

@@ -11,6 +11,7 @@
 #include "sightline/apps/common/command_line.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/common/progress.h"
+#include "sightline/apps/common/style_options.h"
 #include "sightline/apps/report/report.h"
 #include "sightline/core/internal/platform/clock.h"
 #include "sightline/core/internal/platform/console.h"
@@ -61,6 +62,7 @@ void add_options(CommandLine& line, ReportOptions& o) {
       .one_of(ids)
       .separated_by(',')
       .usage_text("NAME,…");
+  add_colour_option(line, o.colour_by);
   add_context_option(line, o.platform);
   add_json_option(line, o.json);
   line.add_flag("--quiet", o.model.quiet, "No progress bar, no warnings; errors alone");

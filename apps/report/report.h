@@ -30,6 +30,7 @@ struct ReportOptions {
   ModelOptions model;
   std::string out, size = "640x360", json, save_path;
   std::vector<std::string> sections;  ///< ids; empty: all
+  std::string colour_by;              ///< of the first image; as query::colour_by() has it, empty: the model's own
   int frames = 16;                    ///< of the tour
   gl::ContextPlatform platform = {};
 };

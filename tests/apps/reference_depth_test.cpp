@@ -15,10 +15,11 @@ TEST_P(ReferenceDepth, Agrees) {
     SIGHTLINE_NEED_DATA(name);
   if (run_program("python3", {"--version"}).code != 0) GTEST_SKIP() << "needs python3";
   const std::string depth = path("depth.pfm");
-  render({data_path(model_file).string(), "--view", data_path(reference + ".json").string(), "--size", "480x270", "--depth", depth});
+  render({data_path(model_file).string(), "--view", data_path(reference + ".json").string(), "--size", "480x270",
+          "--depth", depth});
   // The tool's defaults, and the tighter bound of an exact renderer: 99 % of the pixels within 1e-4 of their depth.
-  const Outcome compared =
-      run_program("python3", {data_path(script).string(), depth, data_path(reference + ".pfm.gz").string(), "--min-1e-4", ".99"});
+  const Outcome compared = run_program(
+      "python3", {data_path(script).string(), depth, data_path(reference + ".pfm.gz").string(), "--min-1e-4", ".99"});
   EXPECT_EQ(compared.code, 0) << compared;
   RecordProperty("compared", compared.out);
 }

@@ -80,6 +80,8 @@ TEST_F(RegressSuite, KeysFollowWhatIsDrawnAndNotTheLimits) {
   EXPECT_NE(plain, key(R"({"name":"v","samples":2})"));
   EXPECT_NE(plain, key(R"({"name":"v","looks":"standard"})"));
   EXPECT_EQ(plain, key(R"({"name":"v","looks":"plain"})"));
+  EXPECT_NE(plain, key(R"({"name":"v","colour_by":"@kind"})"));
+  EXPECT_EQ(plain, key(R"({"name":"v","colour_by":null})", R"("colour_by":"@kind",)"));
   EXPECT_NE(plain, key(R"({"name":"v","size":"64x64"})"));
   EXPECT_NE(plain, key(R"({"name":"v"})", R"("up":"y",)"));
   EXPECT_NE(plain, key(R"({"name":"v"})", R"("translate":"1,0,0",)"));

@@ -250,6 +250,18 @@ TEST_F(Regress, WhatCannotBeDrawnIsAnErrorOfItsTasksAlone) {
   EXPECT_NE(json["tasks"][0]["reason"].get<std::string>().find("200x120"), std::string::npos) << json;
 }
 
+/// Views are coloured one by one, whichever was drawn before.
+TEST_F(Regress, ColoursByAttributes) {
+  suite = write("coloured.json", R"({"size":"96x64","models":[{"name":"a","files":["a.rvm"],"views":[{"name":"plain"},
+      {"name":"kinds","colour_by":"@kind"},{"name":"again"},{"name":"none","colour_by":"NO SUCH KEY"}]}]})");
+  const Json json = regress("out", 1, {"--accept"});
+  EXPECT_EQ(json["accepted"], 3);
+  EXPECT_NE(json["tasks"][3]["reason"].get<std::string>().find("NO SUCH KEY"), std::string::npos) << json;
+  const std::string plain = read_bytes(path("out/a/plain/image.png"));
+  EXPECT_EQ(plain, read_bytes(path("out/a/again/image.png")));
+  EXPECT_NE(plain, read_bytes(path("out/a/kinds/image.png")));
+}
+
 TEST_F(Regress, SectionsThatLeaveNothingAreErrors) {
   const auto suite_of = [&](const std::string& more) {
     return write("cut.json", R"({"size":"64x36","models":[{"name":"a","files":["a.rvm"],"views":[{"name":"cut","view":

@@ -492,6 +492,11 @@ TEST_F(Render, ReplayWritesTheFramesThatRenderDraws) {
     const std::string image = folder + "/frame_000" + (frame[1] ? "" : "0") + frame + ".png";
     EXPECT_LE(differing({"--path", tour, "--frames", "11", "--frame", frame}, image), kThousandth) << frame;
   }
+  const Outcome coloured = run("replay", {model, "--size", "480x270", "--frames", "1", "--images", folder, "--path",
+                                          tour, "--colour-by", "@kind"});
+  EXPECT_NE(coloured.out.find("colours: @kind\n  #332288  "), std::string::npos) << coloured;
+  const Args first{"--path", tour, "--frames", "11", "--frame", "0", "--colour-by", "@kind"};
+  EXPECT_LE(differing(first, folder + "/frame_00000.png"), kThousandth);
 }
 
 /// By tiles of several sizes the same image comes out, its ids, names and depths too.

@@ -226,6 +226,17 @@ TEST_F(ReportPage, BeginsWithWhatTheModelIsAndCosts) {
   EXPECT_LT(page.text.find("<p>" + answer), places.back());
 }
 
+TEST_F(ReportPage, ColoursItsFirstImage) {
+  const Page page = report({plant(1000), "--sections", "glance", "--colour-by", "@kind", "--size", "160x90"});
+  const Json& colours = page.results["sections"]["glance"]["colours"];
+  EXPECT_EQ(colours["key"], "@kind");
+  EXPECT_NE(page.text.find(" --colour-by "), std::string::npos);
+  for (const Json& group : colours["groups"]) {
+    EXPECT_NE(page.text.find(group["colour"].get<std::string>()), std::string::npos);
+    EXPECT_NE(page.text.find(" " + group["label"].get<std::string>() + "</th>"), std::string::npos) << group;
+  }
+}
+
 /// Exact surfaces are as near as depths of an image are, triangles within their tolerances.
 TEST_F(ReportPage, SurfacesAreJudgedByRaysInDoublePrecision) {
   if (!is_built("trace")) GTEST_SKIP() << "this build has no ray tracing";
