@@ -4,42 +4,13 @@
 #include <cmath>
 #include <span>
 
-#include "sightline/core/affine.h"
+#include "sightline/core/internal/mesh_sides.h"
 #include "sightline/core/mesh_extras.h"
 
 namespace sightline::core {
 namespace {
 
 constexpr double kSameNormals = 0.087;  // radians, 5 degrees: how far the normals of a smooth seam may differ
-
-/// A side of a triangle.
-struct Side {
-  std::uint64_t ends;    // welded vertices, the lower one first
-  std::uint32_t corner;  // index in Mesh::indices at which it begins
-  std::uint32_t face;    // of the surfaces that came with the mesh
-  bool forward;          // from the lower to the higher welded vertex
-};
-
-std::uint32_t end_of(std::uint32_t corner) {
-  return corner % 3 == 2 ? corner - 2 : corner + 1;
-}
-
-std::vector<Side> sides_of(const Mesh& mesh) {
-  const std::vector<std::uint32_t> welded = weld(mesh.positions);
-  const std::span<const MeshSurface> surfaces = surfaces_stored_with(mesh);
-  std::vector<Side> sides;
-  sides.reserve(mesh.indices.size());
-  std::uint32_t face = 0;
-  for (std::uint32_t corner = 0; corner < mesh.indices.size(); ++corner) {
-    while (face < surfaces.size() && corner / 3 >= surfaces[face].end_triangle) ++face;
-    const std::uint32_t a = welded[mesh.indices[corner]], b = welded[mesh.indices[end_of(corner)]];
-    if (a == b || !is_finite(dvec3(mesh.positions[a])) || !is_finite(dvec3(mesh.positions[b]))) continue;
-    sides.push_back({std::uint64_t(std::min(a, b)) << 32 | std::max(a, b), corner, face, a < b});
-  }
-  std::sort(sides.begin(), sides.end(),
-            [](const Side& a, const Side& b) { return a.ends != b.ends ? a.ends < b.ends : a.corner < b.corner; });
-  return sides;
-}
 
 /// Angle between two directions, radians; 0 where one has no length.
 double angle_between(const dvec3& a, const dvec3& b) {
@@ -51,10 +22,10 @@ class Bends {
   explicit Bends(const Mesh& mesh) : mesh_(mesh), has_faces_(!surfaces_stored_with(mesh).empty()) {}
 
   /// Whether the triangles with these sides, all of one edge, make it one to be seen.
-  bool shows(std::span<const Side> sides) const {
+  bool shows(std::span<const MeshSide> sides) const {
     if (sides.size() == 1) return true;
     if (sides.size() > 2) return splits(sides);
-    const Side &a = sides[0], &b = sides[1];
+    const MeshSide &a = sides[0], &b = sides[1];
     if (has_faces_) return a.face != b.face && !(has_normals() && smooth(a, b));
     const double bend = angle_between(normal(a), (a.forward != b.forward ? 1.0 : -1.0) * normal(b));
     return bend > kCreaseAngle && !(bend <= kSmoothAngle + kRounding && has_normals() && smooth(a, b));
@@ -64,23 +35,23 @@ class Bends {
   static constexpr double kRounding = 1e-3;  // radians: of prisms with six sides
 
   bool has_normals() const { return !mesh_.normals.empty(); }
-  dvec3 normal(const Side& side) const {
+  dvec3 normal(const MeshSide& side) const {
     const std::uint32_t first = side.corner / 3 * 3;
     const auto at = [&](std::uint32_t i) { return dvec3(mesh_.positions[mesh_.indices[first + i]]); };
     return glm::cross(at(1) - at(0), at(2) - at(0));
   }
   /// Whether the normals of both sides agree at both ends.
-  bool smooth(const Side& a, const Side& b) const {
-    const auto at = [&](const Side& side, bool lower) {
+  bool smooth(const MeshSide& a, const MeshSide& b) const {
+    const auto at = [&](const MeshSide& side, bool lower) {
       return dvec3(mesh_.normals[mesh_.indices[side.forward == lower ? side.corner : end_of(side.corner)]]);
     };
     return angle_between(at(a, true), at(b, true)) <= kSameNormals &&
            angle_between(at(a, false), at(b, false)) <= kSameNormals;
   }
   /// Where more than two triangles meet: unless all lie in one plane, as those of sheets with two faces do.
-  bool splits(std::span<const Side> sides) const {
+  bool splits(std::span<const MeshSide> sides) const {
     const dvec3 first = normal(sides[0]);
-    return sides.size() % 2 == 1 || std::any_of(sides.begin() + 1, sides.end(), [&](const Side& side) {
+    return sides.size() % 2 == 1 || std::any_of(sides.begin() + 1, sides.end(), [&](const MeshSide& side) {
              const double angle = angle_between(first, normal(side));
              return std::min(angle, 3.14159265358979 - angle) > kCreaseAngle;
            });
@@ -93,14 +64,13 @@ class Bends {
 }  // namespace
 
 std::vector<MeshEdge> edges_of(const Mesh& mesh, MeshEdges which) {
-  const std::vector<Side> sides = sides_of(mesh);
+  const std::vector<MeshSide> sides = sides_of(mesh);
   const Bends bends(mesh);
   std::vector<MeshEdge> edges;
-  for (std::size_t first = 0, end = 0; first < sides.size(); first = end) {
-    while (end < sides.size() && sides[end].ends == sides[first].ends) ++end;
-    if (which == MeshEdges::kAll || bends.shows(std::span(sides).subspan(first, end - first)))
-      edges.push_back({std::uint32_t(sides[first].ends >> 32), std::uint32_t(sides[first].ends)});
-  }
+  for_each_edge(sides, [&](std::span<const MeshSide> same) {
+    if (which == MeshEdges::kAll || bends.shows(same))
+      edges.push_back({std::uint32_t(same[0].ends >> 32), std::uint32_t(same[0].ends)});
+  });
   return edges;
 }
 
