@@ -514,6 +514,13 @@ void Scene::set_visible(ItemId id, bool visible) {
   live(id).visible = visible;
   touch_item(id);
 }
+void Scene::set_mesh(ItemId id, MeshId mesh_id) {
+  Item& item = live(id);
+  SIGHTLINE_CONTRACT(item.kind == (mesh(mesh_id).is_facet_group() ? Kind::kFacetGroup : Kind::kMesh),
+                     "an item of a mesh of that kind");
+  item.payload = mesh_id.index;
+  touch_item(id);
+}
 void Scene::set_material(ItemId id, MaterialId material) {
   live(id).material = index_of(material);
   touch_item(id);

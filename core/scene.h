@@ -130,6 +130,8 @@ class SIGHTLINE_API Scene {
   void set_placement(ItemId item, const Affine& node_from_item);
   void set_visible(ItemId item, bool visible);
   void set_material(ItemId item, MaterialId material);
+  /// Another mesh for an item of a mesh, or another facet group for one of those. The item keeps its id.
+  void set_mesh(ItemId item, MeshId mesh);
   bool contains_item(ItemId item) const { return to_index(item) < items_.size() && items_[to_index(item)].alive; }
 
   Kind kind(ItemId item) const { return live(item).kind; }

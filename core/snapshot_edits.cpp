@@ -122,11 +122,15 @@ void Snapshot::prefetch_ahead(std::span<const std::uint64_t> known, std::size_t 
   if (at + kPrefetchAhead / 2 < known.size()) prefetch_record(*this, Slot(known[at + kPrefetchAhead / 2] >> 32));
 }
 
-/// Updates known items in their slots, as long as their blocks keep about their sizes. Items that leave their block
-/// join `appended`, and their slots become vacant.
+/// Updates known items in their slots, as long as their blocks keep about their sizes. Items that leave their block,
+/// and those that have got another mesh, join `appended`, and their slots become vacant.
 void Snapshot::stay_or_go(const Items& items, std::span<const std::uint64_t> known, std::vector<Slot>& touched,
                           std::vector<Newcomer>& appended) {
   const auto slot_at = [&](std::size_t i) { return Slot(known[i] >> 32); };
+  const auto has_mesh = [&](Slot s, const Items::Record& r) {
+    const auto& meshes = kind_items_[std::size_t(r.kind)].meshes;
+    return int(r.kind) < kPrimitiveKindCount || meshes[index_in_kind_[s]] == r.payload;
+  };
   // Relocation may take up to a quarter more slots. Without a new scene version, further edits make blocks larger
   // instead.
   const std::size_t live = size() - given_up_;
@@ -140,7 +144,7 @@ void Snapshot::stay_or_go(const Items& items, std::span<const std::uint64_t> kno
       const Slot s = slot_at(end);
       const Items::Record& r = items.records[std::uint32_t(known[end])];
       const Aabb old = bounds_.box(s);
-      all_stay = all_stay && (r.layers == 0 || (old.min == r.box.min && old.max == r.box.max));
+      all_stay = all_stay && has_mesh(s, r) && (r.layers == 0 || (old.min == r.box.min && old.max == r.box.max));
       touched.push_back(s);
     }
     Aabb taken;
@@ -162,15 +166,16 @@ void Snapshot::stay_or_go(const Items& items, std::span<const std::uint64_t> kno
       materials_[s] = r.material;
       Aabb grown = taken;
       grown.grow(r.box);
-      const bool stays = all_stay || r.layers == 0 || r.box.empty() || taken.empty() || allowance == 0 ||
-                         size_of(grown) <= kBlockSlack * block_sizes_[block];
+      const bool other_mesh = !all_stay && !has_mesh(s, r);
+      const bool stays = !other_mesh && (all_stay || r.layers == 0 || r.box.empty() || taken.empty() ||
+                                         allowance == 0 || size_of(grown) <= kBlockSlack * block_sizes_[block]);
       if (stays) {
         if (r.layers != 0) taken = grown;
         show(s, r.box, r.layers);
       } else {
         give_up(s);
         appended.push_back({std::uint32_t(known[i]), chunk});
-        --allowance;
+        if (!other_mesh) --allowance;
       }
     }
   }

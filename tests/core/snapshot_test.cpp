@@ -67,6 +67,7 @@ class RandomPlant {
         break;
     }
     if (item == kNoItem) return;
+    if (scene.kind(item) == Kind::kMesh && random_() % 2) return scene.set_mesh(item, meshes_[random_() % 2 ? 0 : 2]);
     switch (random_() % 4) {
       case 0:
         return scene.remove_item(item);

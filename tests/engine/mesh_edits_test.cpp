@@ -5,7 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sightline/tests/engine/drawn_grid.h"
+#include "sightline/engine/pick.h"
+#include "sightline/tests/engine/drawing_modes.h"
 #include "sightline/tests/lod/mesh_samples.h"
 
 namespace sightline::tests::mesh_edits_test {
@@ -106,6 +107,62 @@ TEST_F(MeshEdits, OfLargeMeshes) {
       SCOPED_TRACE(testing::Message() << mesh.positions.size() << " vertices, " << error << " px");
       ASSERT_NO_FATAL_FAILURE(run(mesh, CullerChoice::kCpu, error));
     }
+}
+
+/// Items that get another mesh keep their ids and styles, in every way to draw; also while a portion is late.
+TEST_F(MeshEdits, OfItemsThatGetAnotherMesh) {
+  using engine::EngineConfig;
+  for (const DrawingMode& mode : drawing_modes({
+           {"rays",
+            [](EngineConfig& c) {
+              c.context = {};
+              c.drawing.renderer = engine::Renderer::kRays;
+            }},
+           {"edges", [](EngineConfig& c) { c.drawing.looks.edges.which = engine::EdgeChoice::kFeature; }},
+           {"levels", [](EngineConfig& c) { c.losses.lod_error = 1.0; }},
+       })) {
+    SCOPED_TRACE(mode.name);
+    core::Scene scene;
+    const core::MeshId coarse = scene.add_mesh(terrain(6, 1.2)).value();
+    std::vector<core::ItemId> items;
+    for (int i = 0; i < 40; ++i)
+      items.push_back(scene.add_mesh_instance(scene.root(), coarse, core::translation({0.3 * i, 0.2 * i, -0.1 * i})));
+    EngineConfig c = config(CullerChoice::kAutomatic);
+    mode.set(c);
+    const auto create = [&] {
+      auto made = Engine::create(scene, c);
+      const bool styled = made && made->set_override(std::span(items).first(5), {.colour = core::vec3(1, 0, 0)}) &&
+                          made->hide(std::span(items).subspan(5, 5)) && made->finish_levels();
+      EXPECT_TRUE(styled);
+      return made;
+    };
+    auto engine = create();
+    ASSERT_TRUE(engine && engine->frame(look(0.2)));
+    const auto expect_as_new = [&](const char* after) {
+      SCOPED_TRACE(after);
+      auto fresh = create();
+      ASSERT_TRUE(fresh && engine->finish_levels());
+      for (int frame = 0; frame < 3; ++frame) ASSERT_TRUE(engine->frame(look(0.4)) && fresh->frame(look(0.4)));
+      const auto image = engine->read_colour(), wanted = fresh->read_colour();
+      ASSERT_TRUE(image && wanted);
+      EXPECT_LE(image::compare(*image, *wanted)->max, 4);
+      const auto hit = engine->pick(look(0.4), 100, 100), there = fresh->pick(look(0.4), 100, 100);
+      ASSERT_TRUE(hit && there && *hit && *there);
+      EXPECT_EQ((*hit)->item, (*there)->item);
+      EXPECT_EQ(engine->override_of(items[0])->colour, core::vec3(1, 0, 0));
+    };
+    const core::MeshId fine = scene.add_mesh(terrain(40, 1.2)).value();
+    for (std::size_t i = 0; i < items.size(); i += 2) scene.set_mesh(items[i], fine);
+    scene.set_visible(items[12], false);
+    while (!*engine->commit(0.0)) ASSERT_TRUE(engine->frame(look(0.3)));
+    ASSERT_NO_FATAL_FAILURE(expect_as_new("some"));
+    for (const core::ItemId item : items) scene.set_mesh(item, fine);
+    scene.remove_mesh(coarse);
+    ASSERT_TRUE(engine->commit());
+    ASSERT_NO_FATAL_FAILURE(expect_as_new("all"));
+    ASSERT_TRUE(engine->rebuild());
+    ASSERT_NO_FATAL_FAILURE(expect_as_new("another version"));
+  }
 }
 
 /// 10^7 triangles: levels are cancelled, and built, and everything comes in portions.
