@@ -10,6 +10,7 @@
 #include "sightline/apps/common/blank.h"
 #include "sightline/apps/common/colour_file.h"
 #include "sightline/apps/common/command_line.h"
+#include "sightline/apps/common/finer_meshes.h"
 #include "sightline/apps/common/legend.h"
 #include "sightline/apps/common/need.h"
 #include "sightline/apps/common/output.h"
@@ -389,8 +390,18 @@ core::Expected<void> draw_with_bar(Studio& studio, apps::TiledImage& image, Outp
   return draw(*studio.engine, image, outputs, [&] { progress.advance(image.steps_done()); });
 }
 
+/// Exact surfaces get finer meshes where the image would show their facets.
+void refine_meshes(Studio& studio, const core::View& view) {
+  apps::FinerMeshes finer;
+  finer.begin(studio.engine->snapshot(), view, studio.size[0], studio.size[1]);
+  if (!finer.finish(*studio.model.scene)) return;
+  need(studio.engine->commit());
+  need(studio.engine->finish_levels());
+}
+
 core::Expected<int> render_image(const Options& o, Studio& studio) {
   auto begun = begin_image(o, studio);
+  if (!o.shown.plain && !o.mpi) refine_meshes(studio, begun.view);
   const bool complete = studio.tiles.tiles.size() > 1;  // a budget shows in an image that is drawn at once
   apps::TiledImage image(begun.view, studio.tiles,
                          {.ids = o.wants_ids(),

@@ -593,29 +593,6 @@ void Scene::touch_item(ItemId id) {
   dirty_items_.push_back(id);
 }
 
-/// Returns the touched items in rising order, removed ones included. Everything below a touched node becomes a touched
-/// item. Linear time: a node is entered once, no matter how many nodes above it were touched.
-std::vector<ItemId> Scene::collect_dirty_items() {
-  const auto stored_snapshot = stored_snapshot_;  // edits have dropped it where they had to
-  std::vector<std::uint32_t> below;
-  std::vector<bool> entered(dirty_nodes_.empty() ? 0 : nodes_.size());
-  const auto enter = [&](std::uint32_t node) {
-    if (!entered[node]) below.push_back(node);
-    entered[node] = true;
-  };
-  for (const std::uint32_t node : dirty_nodes_)
-    if (nodes_[node].dirty) enter(node);  // else removed since, and another node may have its index
-  for (std::size_t i = 0; i < below.size(); ++i) {
-    const Node& node = nodes_[below[i]];
-    for (std::uint32_t c = node.first_child; c != kNone; c = nodes_[c].next) enter(c);
-    for (ItemId item = node.first_item; item != kNoItem; item = items_[to_index(item)].next) touch_item(item);
-  }
-  stored_snapshot_ = stored_snapshot;
-  std::vector<ItemId> items = dirty_items_;
-  if (!std::is_sorted(items.begin(), items.end())) radix_sort(items);
-  return items;
-}
-
 bool Scene::can_commit(ItemId item, const Affine& world_from_item) const {
   if (!publishable(world_from_item)) return false;
   // Tests the box first, so as not to walk a mesh once for each of its instances: nearly all boxes lie well within the
@@ -680,6 +657,29 @@ std::vector<Id> take_last(std::vector<Id>& list, std::size_t most) {
 
 }  // namespace
 
+/// Returns the touched items in rising order, removed ones included. Everything below a touched node becomes a touched
+/// item. Linear time: a node is entered once, no matter how many nodes above it were touched.
+std::vector<ItemId> Access::touched_items(Scene& s) {
+  const auto stored_snapshot = s.stored_snapshot_;  // edits have dropped it where they had to
+  std::vector<std::uint32_t> below;
+  std::vector<bool> entered(s.dirty_nodes_.empty() ? 0 : s.nodes_.size());
+  const auto enter = [&](std::uint32_t node) {
+    if (!entered[node]) below.push_back(node);
+    entered[node] = true;
+  };
+  for (const std::uint32_t node : s.dirty_nodes_)
+    if (s.nodes_[node].dirty) enter(node);  // else removed since, and another node may have its index
+  for (std::size_t i = 0; i < below.size(); ++i) {
+    const Node& node = s.nodes_[below[i]];
+    for (std::uint32_t c = node.first_child; c != kNone; c = s.nodes_[c].next) enter(c);
+    for (ItemId item = node.first_item; item != kNoItem; item = s.items_[to_index(item)].next) s.touch_item(item);
+  }
+  s.stored_snapshot_ = stored_snapshot;
+  std::vector<ItemId> items = s.dirty_items_;
+  if (!std::is_sorted(items.begin(), items.end())) radix_sort(items);
+  return items;
+}
+
 /// Makes items below touched nodes touched ones, until there are so many. A node waits for touched ones above it, which
 /// lead to it again.
 void Access::touch_items_below(Scene& s, std::size_t wanted) {
@@ -710,7 +710,7 @@ Expected<SceneDelta> Access::publish(Scene& s, std::size_t most) {
   const std::size_t removals = std::min(most, s.removed_items_.size());
   std::vector<ItemId> items;
   if (most == kAll) {
-    items = s.collect_dirty_items();
+    items = touched_items(s);
   } else {
     touch_items_below(s, most - removals);
     items = take_last(s.dirty_items_, most - removals);

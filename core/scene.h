@@ -310,7 +310,6 @@ class SIGHTLINE_API Scene {
   void erase_item(ItemId item);
   ItemId append_item(NodeId node, Item item);
   Expected<SceneDelta> validated(std::span<const ItemId> items) const;
-  std::vector<ItemId> collect_dirty_items();
   bool may_reuse() const { return reuses_ids_ && marks_ == 0; }
   void forget_removed_materials();
   void release_ids();

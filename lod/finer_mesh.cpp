@@ -18,18 +18,47 @@ namespace {
 
 using core::dvec3, core::kNone, core::MeshSide, core::MeshSurface, core::vec3;
 
-constexpr int kMostPasses = 10;      // each takes three quarters of the gap away
-constexpr int kProjections = 12;     // in turn onto two surfaces
-constexpr double kMostBent = 0.25;   // of a side's length: a point farther from its middle is one of another branch
-constexpr double kAgreement = 0.25;  // of the tolerance: how far a point of two surfaces may lie off either
+constexpr int kMostPasses = 10;   // each takes three quarters of the gap away
+constexpr int kProjections = 12;  // in turn onto two surfaces
+constexpr double kMostBent =
+    0.1;  // of a side's length: an arc of 45 degrees; coarser facets tell too little of the shape
+constexpr double kLeastCosine = 0.7;  // of normals at both ends, 45 degrees: coarser facets tell too little of a shape
+constexpr double kAgreement = 0.25;   // of the tolerance: how far a point of two surfaces may lie off either
 
 bool is_curved(const MeshSurface& surface) {
   return surface.kind != MeshSurface::Kind::kOther && surface.kind != MeshSurface::Kind::kPlane;
 }
 
+/// A direction across a surface at a point of it.
+dvec3 normal_at(const MeshSurface& surface, const dvec3& p) {
+  const dvec3 away = p - surface.origin;
+  const dvec3 aside = away - glm::dot(away, surface.axis) * surface.axis;
+  switch (surface.kind) {
+    case MeshSurface::Kind::kPlane:
+      return surface.axis;
+    case MeshSurface::Kind::kSphere:
+      return away;
+    case MeshSurface::Kind::kCylinder:
+      return aside;
+    case MeshSurface::Kind::kCone:
+      return glm::normalize(aside) - surface.slope * surface.axis;
+    case MeshSurface::Kind::kTorus:
+      return away - surface.radius * glm::normalize(aside);
+    default:
+      return dvec3(0.0);
+  }
+}
+
+/// Whether a surface turns so little between two points of it that a side between them follows it.
+bool follows(const MeshSurface& surface, const dvec3& a, const dvec3& b) {
+  const dvec3 n = normal_at(surface, a), m = normal_at(surface, b);
+  return glm::dot(n, m) >= kLeastCosine * glm::length(n) * glm::length(m);
+}
+
 /// What an edge should be halved at.
 struct Middle {
   dvec3 chord, point;
+  bool follows = true;  // the edge, its surfaces
   double gap() const { return glm::length(point - chord); }
 };
 
@@ -61,12 +90,13 @@ class Facets {
     const auto end = [&](std::uint64_t vertex) { return dvec3(mesh.positions[std::uint32_t(vertex)]); };
     const dvec3 a = end(sides[0].ends >> 32), b = end(sides[0].ends);
     Middle middle{0.5 * (a + b), 0.5 * (a + b)};
+    for (const MeshSurface* surface : on) middle.follows &= !surface || follows(*surface, a, b);
     for (int i = 0; i < (on[1] ? kProjections : 1); ++i)
       for (const MeshSurface* surface : on)
         if (surface) middle.point = core::nearest_point(*surface, middle.point);
     const bool agrees =
         !on[1] || glm::length(core::nearest_point(*on[0], middle.point) - middle.point) <= on[0]->gap + agreement;
-    if (!agrees || !(middle.gap() <= kMostBent * glm::length(b - a))) return std::nullopt;
+    if (!agrees || !(middle.gap() <= glm::length(b - a))) return std::nullopt;
     return middle;
   }
 
@@ -83,26 +113,6 @@ class Facets {
   std::vector<std::uint32_t> face_of_;  // by triangle, or kNone
 };
 
-/// A direction across a surface at a point of it.
-dvec3 normal_at(const MeshSurface& surface, const dvec3& p) {
-  const dvec3 away = p - surface.origin;
-  const dvec3 aside = away - glm::dot(away, surface.axis) * surface.axis;
-  switch (surface.kind) {
-    case MeshSurface::Kind::kPlane:
-      return surface.axis;
-    case MeshSurface::Kind::kSphere:
-      return away;
-    case MeshSurface::Kind::kCylinder:
-      return aside;
-    case MeshSurface::Kind::kCone:
-      return glm::normalize(aside) - surface.slope * surface.axis;
-    case MeshSurface::Kind::kTorus:
-      return away - surface.radius * glm::normalize(aside);
-    default:
-      return dvec3(0.0);
-  }
-}
-
 /// One pass over a mesh: which sides are halved, and the mesh of that.
 class Halving {
  public:
@@ -113,7 +123,7 @@ class Halving {
   bool choose(double tolerance) {
     for_each_edge(core::sides_of(mesh_), [&](std::span<const MeshSide> sides) {
       const auto middle = facets_.middle(mesh_, sides, kAgreement * tolerance);
-      if (!middle || !(middle->gap() > tolerance)) return;
+      if (!middle || !middle->follows || !(middle->gap() > tolerance)) return;
       for (const MeshSide& side : sides) middle_of_[side.corner] = std::uint32_t(points_.size());
       points_.push_back(vec3(middle->point));
     });
@@ -221,7 +231,7 @@ class Halving {
     if (!mesh_.normals.empty()) next.normals.push_back(normal(a, b, triangle, point));
     return known->second;
   }
-  /// Of the surface, on the side of the normals at both ends.
+  /// A normal of the surface, on the side of the normals at both ends.
   vec3 normal(std::uint32_t a, std::uint32_t b, std::uint32_t triangle, const vec3& point) const {
     const dvec3 mean = dvec3(mesh_.normals[a]) + dvec3(mesh_.normals[b]);
     const MeshSurface* surface = facets_.surface(triangle);

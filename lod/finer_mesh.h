@@ -18,10 +18,10 @@ SIGHTLINE_API double facet_gap(const core::Mesh& mesh);
 /// outlines and the edges of faces get rounder, facets that meet go on doing so, and closed meshes stay closed. Faces
 /// keep their surfaces, with the gap of the new corners; normals are those of the surfaces.
 ///
-/// Left as they are: faces of other surfaces, but for sides that they share; sides whose new corner would turn a
-/// triangle around, or lie on one of two surfaces alone; and all from the pass on that would make more triangles than
-/// `most`. So the result may miss the tolerance: facet_gap() tells. Nothing for a mesh whose facets are fine enough,
-/// and for facet groups.
+/// Left as they are: faces of other surfaces, but for sides that they share; sides along which a surface turns by more
+/// than 45 degrees; those whose new corner would turn a triangle around, or lie on one of two surfaces alone; and all
+/// from the pass on that would make more triangles than `most`. So the result may miss the tolerance: facet_gap()
+/// tells. Nothing for a mesh whose facets are fine enough, and for facet groups.
 SIGHTLINE_API std::optional<core::Mesh> finer_mesh(const core::Mesh& mesh, double tolerance,
                                                    std::size_t most = 1 << 20);
 

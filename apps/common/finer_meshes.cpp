@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <optional>
 #include <utility>
 
 #include "sightline/core/mesh_extras.h"
@@ -13,7 +12,7 @@ namespace sightline::apps {
 namespace {
 
 constexpr std::size_t kMostOfMesh = std::size_t(1) << 19, kMostOfAll = std::size_t(1) << 23;  // triangles
-constexpr double kLeastShare = 1e-5;  // of a mesh's size: gaps below that are those of rounded corners
+constexpr double kLeastShare = 1e-6;  // of a mesh's size: gaps below that are those of rounded corners
 
 bool has_curved_surfaces(const core::Mesh& mesh) {
   return std::ranges::any_of(core::surfaces_stored_with(mesh), [](const core::MeshSurface& surface) {
@@ -24,7 +23,9 @@ bool has_curved_surfaces(const core::Mesh& mesh) {
 }  // namespace
 
 bool FinerMeshes::begin(const core::Snapshot& snapshot, const core::View& view, int width, int height) {
-  if (active()) return false;
+  if (active() || (view_ && height_ == height && core::same_image(*view_, view))) return false;
+  view_ = view;
+  height_ = height;
   core::View whole = view;
   whole.sections.clear();  // a cut face has facets, too
   const lod::ImageError image(whole, width, height, kShownGap);
@@ -96,6 +97,7 @@ bool FinerMeshes::finish(core::Scene& scene) {
 
 bool FinerMeshes::coarse_again(core::Scene& scene) {
   triangles_ = 0;
+  view_.reset();
   return give(scene, std::unordered_map<std::uint32_t, core::MeshId>(coarse_of_));
 }
 
@@ -122,6 +124,7 @@ void FinerMeshes::forget() {
   made_ = {};
   gaps_.clear();
   coarse_of_.clear();
+  view_.reset();
   triangles_ = 0;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <future>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <unordered_map>
 #include <vector>
@@ -28,8 +29,9 @@ class FinerMeshes {
   FinerMeshes& operator=(const FinerMeshes&) = delete;
 
   /// Begins to make them in the background, for an image of that size in pixels, unless that goes on. The snapshot must
-  /// be of what the scene has now. False where none are needed.
+  /// be of what the scene has now. False where none are needed, and where the last call was for that image.
   bool begin(const core::Snapshot& snapshot, const core::View& view, int width, int height);
+  std::size_t count() const { return coarse_of_.size(); }  ///< finer meshes that the scene has
   bool active() const { return made_.valid(); }  ///< from begin() until finish()
   bool ready() const;                            ///< finish() would not wait
   /// Gives them to the scene's items, which somebody commits. False where nothing has changed.
@@ -53,6 +55,8 @@ class FinerMeshes {
   std::unordered_map<std::uint32_t, double> gaps_;             // by mesh, once known; 0 where there is no finer one
   std::unordered_map<std::uint32_t, core::MeshId> coarse_of_;  // by finer mesh: what its items came with
   std::size_t triangles_ = 0;                                  // of finer meshes
+  std::optional<core::View> view_;  // of the last begin()
+  int height_ = 0;
   std::stop_source stop_;
   std::future<std::vector<Job>> made_;
 };

@@ -60,7 +60,7 @@ void change_row(Workspace& work, ChangeList& changes, std::size_t row, float hei
   const ImVec2 at = ImGui::GetCursorPos();
   ImGui::PushID(int(row));
   if (ImGui::Selectable("##row", changes.current() == row, 0, {0.0f, height}))
-    work.messages.tell_outcome(work.session->go_to_change(row));
+    work.messages.tell_outcome(go_to_change(*work.session, row));
   if (ImGui::IsItemHovered()) {
     ImGui::BeginTooltip();
     ImGui::PushTextWrapPos(25.0f * ImGui::GetFontSize());

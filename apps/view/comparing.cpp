@@ -26,7 +26,7 @@ Done step(Session& session, int by) {
   if (!changes) return tl::unexpected(changes.error());
   const auto row = (*changes)->step(by);
   if (!row) return core::fail("there are no changes to go to");
-  return session.go_to_change(*row);
+  return go_to_change(session, *row);
 }
 
 }  // namespace
@@ -43,6 +43,7 @@ std::string summary(const ChangeList& changes) {
 
 Done compare_with(Workspace& work, const std::string& file) {
   if (file.empty()) return work.shown.dialog = Dialog::kCompare, Done();
+  if (auto done = work.show_own_meshes(); !done) return done;
   work.opening.compare(file, *work.session);
   if (work.shown.dialog == Dialog::kCompare) work.shown.dialog = Dialog::kNone;
   work.messages.tell("comparing with " + std::filesystem::path(file).filename().string());

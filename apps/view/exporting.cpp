@@ -95,6 +95,7 @@ Done write_path(const std::string& file, const Session& session, const core::Cam
 Done begin_model_export(Workspace& work, core::Expected<ModelExport::Job> job) {
   if (!job) return tl::unexpected(job.error());
   if (auto free = work.scene_is_free(); !free) return free;
+  if (auto done = work.show_own_meshes(); !done) return done;
   work.exports.begin(std::move(*job), work.messages);
   return {};
 }

@@ -238,6 +238,13 @@ core::Expected<void> Session::edit_scene(const std::function<core::Expected<void
   return done ? committed : done;
 }
 
+core::Expected<void> Session::exchange_meshes(const std::function<bool(core::Scene&)>& edit) {
+  tree.release_scene();
+  if (!edit(*model_.scene)) return {};
+  image.changed();
+  return engine.commit();
+}
+
 core::Expected<void> Session::begin_comparison(std::unique_ptr<ChangeList> changes) {
   if (auto ended = end_comparison(); !ended) return ended;
   colouring = {};
@@ -308,21 +315,6 @@ core::Expected<void> Session::show_changes(compare::State state, bool shown) {
   return document.select(selection);  // but for those that are no longer seen
 }
 
-core::Expected<void> Session::go_to_change(std::size_t row) {
-  changes_->set_current(row);
-  const std::vector<core::ItemId> items = changes_->items(scene(), row);
-  if (auto done = document.select(items); !done) return done;
-  tree.reveal(changes_->node(scene(), row));
-  core::AabbD bounds = document.bounds(items);
-  if (bounds.empty()) return {};
-  const core::dvec3 around(glm::length(bounds.size()));  // what it lies in is seen, too
-  bounds.min -= around;
-  bounds.max += around;
-  camera.remember();
-  camera.fit(bounds, image.aspect());
-  return {};
-}
-
 core::Expected<void> Session::set_culler(engine::CullerChoice choice) {
   return image.configure([this, choice](engine::EngineConfig& config) {
     config.culling.culler = choice;
@@ -342,6 +334,22 @@ core::Expected<void> colour_by(Session& session, const std::string& key) {
     styles.which.push_back(std::uint8_t(group < made->groups.size() ? group + 1 : 0));
   if (auto done = session.document.set_base_styles(std::move(styles)); !done) return done;
   session.colouring = std::move(*made);
+  return {};
+}
+
+core::Expected<void> go_to_change(Session& session, std::size_t row) {
+  ChangeList& changes = *session.changes();
+  changes.set_current(row);
+  const std::vector<core::ItemId> items = changes.items(session.scene(), row);
+  if (auto done = session.document.select(items); !done) return done;
+  session.tree.reveal(changes.node(session.scene(), row));
+  core::AabbD bounds = session.document.bounds(items);
+  if (bounds.empty()) return {};
+  const core::dvec3 around(glm::length(bounds.size()));  // what it lies in is seen, too
+  bounds.min -= around;
+  bounds.max += around;
+  session.camera.remember();
+  session.camera.fit(bounds, session.image.aspect());
   return {};
 }
 

@@ -95,8 +95,9 @@ class Session {
   core::Expected<void> set_slider(std::optional<double> at);
   /// Shows or hides what is in a state of the comparison.
   core::Expected<void> show_changes(compare::State state, bool shown);
-  /// Selects what a row of the comparison names, and goes there.
-  core::Expected<void> go_to_change(std::size_t row);
+
+  /// `edit` gives items of the scene other meshes, of the same shape, and tells whether it has.
+  core::Expected<void> exchange_meshes(const std::function<bool(core::Scene&)>& edit);
 
   core::Expected<void> set_culler(engine::CullerChoice choice);
 
@@ -141,5 +142,8 @@ class Session {
 /// Gives items the colours of query::colour_by(), until another key or an empty one. Fails during a comparison, which
 /// has colours of its own and ends these.
 core::Expected<void> colour_by(Session& session, const std::string& key);
+
+/// Selects what a row of the comparison names, and goes there.
+core::Expected<void> go_to_change(Session& session, std::size_t row);
 
 }  // namespace sightline::apps

@@ -106,13 +106,31 @@ core::Expected<bool> Viewer::draws_alone() {
   if (auto done = step_exports(); !done) return tl::unexpected(done.error());
   if (auto done = land(); !done) return tl::unexpected(done.error());
   if (work_.opening.swapping_in() && !work_.gui.has_events() && glfwGetTime() < work_.pace.next_frame) return true;
+  if (auto done = refine_meshes(); !done && !lost()) return tl::unexpected(done.error());
   if (settled() && script_.has_steps())
     if (auto done = script_.step(work_); !done) return tl::unexpected(done.error());
   if (work_.gui.has_events() && work_.pace.asked_at < 0.0) work_.pace.asked_at = glfwGetTime();
-  if (!settled_but_for_edges() || !refining()) return false;
+  if (!settled_but_for_edges() || !refining() || work_.finer.active()) return false;
   if (auto done = work_.session->image.refine(); !done && !lost()) return tl::unexpected(done.error());
   work_.pace.redraws = work_.session->image.refining() ? 0 : 1;
   return work_.pace.redraws == 0;
+}
+
+/// Where a view at rest has come so near to exact surfaces that facets show, they become finer. A comparison has the
+/// meshes that were read.
+Done Viewer::refine_meshes() {
+  Session* session = work_.session.get();
+  if (!session || !settled_but_for_edges() || work_.player.playing() || session->changes() || !work_.scene_is_free())
+    return {};
+  if (work_.finer.ready()) {
+    work_.pace.redraw();
+    return session->exchange_meshes([&](core::Scene& scene) { return work_.finer.finish(scene); });
+  }
+  const auto& view = session->image.drawn();
+  const std::array<int, 2>& size = session->image.size();
+  if (work_.shown.smooth && work_.options.frames == 0 && view)
+    work_.finer.begin(session->engine.snapshot(), *view, size[0], size[1]);
+  return {};
 }
 
 /// A failure ends scripts; otherwise it is told.
@@ -132,7 +150,7 @@ bool Viewer::busy() const {
 double Viewer::patience() const {
   const Preview* preview = work_.opening.preview();
   if (work_.opening.swapping_in() || (preview && preview->drawing())) return 0.0;
-  if (work_.opening.active() || work_.exports.model())
+  if (work_.opening.active() || work_.exports.model() || work_.finer.active())
     return std::max(kLoadingWait, Pace::kBetweenFrames * work_.pace.frame_seconds);
   if (!at_rest() || refining() || work_.player.playing() || script_.has_steps()) return 0.0;
   return work_.gestures.waits_for_picks() ? kLoadingWait : kIdleWait;
@@ -223,6 +241,7 @@ Done Viewer::landed(std::unique_ptr<Session> session, bool lenient) {
   const bool another = work_.session != nullptr, first = !another && session->files == work_.options.model.files;
   print_warnings(session->model().report.warnings);
   work_.gestures.forget_model();
+  work_.finer.forget();
   work_.session = std::move(session);
   work_.pace.redraw();
   thumbnail_due_ = true;

@@ -29,11 +29,12 @@ class Viewer {
   // When to draw, and how long to wait.
   double patience() const;
   bool busy() const;
-  bool settled() const { return settled_but_for_edges() && !refining(); }
+  bool settled() const { return settled_but_for_edges() && !refining() && !work_.finer.active(); }
   bool settled_but_for_edges() const { return at_rest() && !work_.gestures.waits_for_picks(); }
   bool at_rest() const;
   bool refining() const;
   core::Expected<bool> draws_alone();
+  Done refine_meshes();
 
   // A frame.
   Done frame(double seconds);

@@ -100,6 +100,7 @@ Json window_json(const Workspace& work) {
           {"walk", work.gestures.walking()},
           {"triad", work.shown.triad},
           {"smooth", work.shown.smooth},
+          {"finer_meshes", work.finer.count()},
           {"depth_shading", work.shown.depth_shading},
           {"hatching", work.shown.hatching},
           {"edges", work.shown.edges},

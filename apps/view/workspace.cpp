@@ -136,6 +136,14 @@ Done Workspace::set_motion_error(double pixels) {
   return session ? session->image.set_motion_error(pixels) : Done();
 }
 
+Done Workspace::show_own_meshes() {
+  return session ? session->exchange_meshes([&](core::Scene& scene) {
+    const bool finished = finer.finish(scene);
+    return finer.coarse_again(scene) || finished;
+  })
+                 : Done();
+}
+
 Done Workspace::scene_is_free() const {
   if (opening.comparing()) return core::fail("wait until the older revision is read, or cancel that");
   if (exports.model()) return core::fail("wait until the model is written, or cancel that");

@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "sightline/apps/common/finer_meshes.h"
 #include "sightline/apps/common/numbers.h"
 #include "sightline/apps/view/culling_overlay.h"
 #include "sightline/apps/view/exports.h"
@@ -74,6 +75,8 @@ struct Workspace {
   Done apply_styles();
   /// The error of meshes, by levels of detail, while the view moves; 0: none.
   Done set_motion_error(double pixels);
+  /// Gives items the meshes that they came with, for somebody who reads the scene from now on.
+  Done show_own_meshes();
   /// Fails while somebody reads the scene, which must not be edited then.
   Done scene_is_free() const;
 
@@ -91,6 +94,7 @@ struct Workspace {
   std::optional<SavedSession> returning;  ///< how the models that are being read will be shown
   std::optional<SavedSession> last;       ///< what was open when the viewer was closed, until something else is open
   Damaged damaged;                        ///< until something else is opened
+  FinerMeshes finer;                      ///< of the session's scene
   Opening opening;
   Exports exports;
   ImageLoop image;

@@ -101,6 +101,7 @@ class Access {
   }
 
  private:
+  static std::vector<ItemId> touched_items(Scene& scene);
   static void touch_items_below(Scene& scene, std::size_t wanted);
   static void announce(Scene& scene, const SceneDelta& delta);
 };

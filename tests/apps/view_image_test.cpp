@@ -178,5 +178,17 @@ TEST_F(ViewScript, FramesHaveABudgetUnlessTheGpuCulls) {
   EXPECT_EQ(state_with("cull-cpu\n", {"--settings", settings})["budget_ms"], 33.0);
 }
 
+/// Exact surfaces: finer the nearer one comes, and as they were for an export and a comparison.
+TEST_F(ViewScript, FacetsThatShowBecomeFiner) {
+  const std::string model = data_path("machined.stp").string(), near = "zoom-in\nzoom-in\nzoom-in\nzoom-in\nzoom-in\n";
+  if (run("info", {model}).code != 0) GTEST_SKIP() << "built without STEP";
+  ASSERT_EQ(run("convert", {model, path("whole.stl")}).code, 0);
+  expect_driven("expect /finer_meshes = 0\n" + near + "expect /finer_meshes = 0\nsmooth\nexpect /finer_meshes = 1\n" +
+                    "export-model " + path("zoomed.stl") + "\nexpect /finer_meshes = 1\ncompare " + model +
+                    "\nexpect /compare/changed = 0\nexpect /compare/unchanged = 2\nexpect /finer_meshes = 0\n",
+                {model, "--size", "800x600", "--no-panels"});
+  EXPECT_TRUE(read_bytes(path("whole.stl")) == read_bytes(path("zoomed.stl")));
+}
+
 }  // namespace
 }  // namespace sightline::tests::view_image_test

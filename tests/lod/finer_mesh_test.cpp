@@ -111,10 +111,10 @@ Mesh ball(int sides) {
 std::vector<NamedMesh> bodies() {
   return {{"pipe", pipe(12, 1.0, 0.6, 5.0)},
           {"thin pipe", pipe(24, 1.0, 0.97, 1.0)},
-          {"coarse pipe", pipe(5, 1.0, 0.2, 3.0)},
+          {"coarse pipe", pipe(9, 1.0, 0.2, 3.0)},
           {"frustum", frustum(9)},
-          {"ring", ring(8)},
-          {"ball", ball(6)}};
+          {"ring", ring(12)},
+          {"ball", ball(9)}};
 }
 
 /// The mean of all that lies on a mesh's triangles, and the largest distance of such points from their surfaces.
@@ -201,8 +201,8 @@ TEST(FinerMesh, HasTheAreaOfTheSurfaces) {
   };
   const double r = 1.0, hole = 0.6, length = 5.0;
   expect_area(pipe(12, r, hole, length), kTurn * (r + hole) * length + kTurn * (r * r - hole * hole));
-  expect_area(ball(6), 2.0 * kTurn * 4.0);
-  expect_area(ring(8), kTurn * kTurn * 3.0);
+  expect_area(ball(9), 2.0 * kTurn * 4.0);
+  expect_area(ring(12), kTurn * kTurn * 3.0);
 }
 
 /// Edges of faces lie on both surfaces: as many lines as before, each on its circle.
@@ -225,6 +225,8 @@ TEST(FinerMesh, LeavesWhatItCannotImprove) {
   EXPECT_FALSE(lod::finer_mesh(terrain(8, 0.5), 1e-9)) << "no surfaces";
   EXPECT_EQ(lod::facet_gap(terrain(8, 0.5)), 0.0);
   EXPECT_FALSE(lod::finer_mesh(pipe(12, 1.0, 0.6, 5.0), 1.0)) << "fine enough";
+  EXPECT_FALSE(lod::finer_mesh(pipe(5, 1.0, 0.6, 5.0), 1e-3)) << "too coarse";
+  EXPECT_GT(lod::facet_gap(pipe(5, 1.0, 0.6, 5.0)), 0.1);
   const Mesh body = pipe(12, 1.0, 0.6, 5.0);
   const auto bounded = lod::finer_mesh(body, 1e-6, 1000);
   ASSERT_TRUE(bounded);

@@ -427,7 +427,7 @@ TEST_F(ComparingSession, ShowsWhatChangedAndGoesThere) {
   expect_picks();
   std::size_t removed = 0;
   for (std::size_t row = 0; row < changes.row_count(); ++row) {
-    ASSERT_TRUE(session->go_to_change(row));
+    ASSERT_TRUE(go_to_change(*session, row));
     const std::vector<ItemId> items = changes.items(session->scene(), row);
     const auto selection = session->document.selection();
     ASSERT_TRUE(std::equal(selection.begin(), selection.end(), items.begin(), items.end()));
@@ -438,7 +438,7 @@ TEST_F(ComparingSession, ShowsWhatChangedAndGoesThere) {
     }
     if (changes.state(row) == State::kRemoved) removed = row;
   }
-  ASSERT_TRUE(session->go_to_change(removed));
+  ASSERT_TRUE(go_to_change(*session, removed));
   session->tree.find({"part1"});
   EXPECT_EQ(session->tree.match_count(), 11u) << "three of them removed";
   ASSERT_TRUE(session->end_comparison());
