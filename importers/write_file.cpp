@@ -1,5 +1,7 @@
 #include "sightline/importers/write_file.h"
 
+#include <algorithm>
+#include <string>
 #include <system_error>
 
 #include "sightline/importers/gltf/gltf_writer.h"
@@ -30,10 +32,22 @@ core::Expected<WriteReport> whole(const core::Expected<void>& done, const core::
 template <class Report>
 core::Expected<WriteReport> tessellated(const core::Expected<Report>& report) {
   if (!report) return tl::unexpected(report.error());
-  WriteReport written{report->items, report->left_out, report->bytes,
+  WriteReport written{report->items, report->left_out, report->bytes, 0,
                       WriteReport::Tessellated{report->triangles, report->vertices, report->largest_chord_error}};
   if constexpr (requires { report->analytic; }) written.analytic = report->analytic;
   return written;
+}
+
+/// Scene caches, glTF and 3D Tiles hold all attributes, RVM those of the file, as "rvm.*", and others none.
+std::uint64_t nodes_with_lost_attributes(const core::Scene& scene, core::NodeId top, const std::string& extension) {
+  if (extension == ".slc" || extension == ".glb" || extension == ".gltf") return 0;
+  const bool rvm = extension == ".rvm";
+  std::uint64_t nodes = 0;
+  scene.for_each_node(top, [&](core::NodeId node, const auto&...) {
+    nodes += std::ranges::any_of(scene.attributes(node),
+                                 [&](const auto& one) { return !rvm || !one.first.starts_with("rvm."); });
+  });
+  return nodes;
 }
 
 core::Expected<WriteReport> write_tiles_of(const core::Scene& scene, core::NodeId node,
@@ -50,13 +64,9 @@ core::Expected<WriteReport> write_tiles_of(const core::Scene& scene, core::NodeI
   return written;
 }
 
-}  // namespace
-
-core::Expected<WriteReport> write_file(const core::Scene& scene, core::NodeId node, const std::filesystem::path& path,
-                                       const WriteOptions& options) {
-  if (options.tiles) return write_tiles_of(scene, node, path, options);
+core::Expected<WriteReport> write_as(const std::string& extension, const core::Scene& scene, core::NodeId node,
+                                     const std::filesystem::path& path, const WriteOptions& options) {
   const auto& [tolerance, collections, tiles, compress, levels, report, progress] = options;
-  const std::string extension = lower_case_extension(path);
   if (extension == ".rvm") return whole(write_rvm(scene, node, path, progress), scene, node, path);
   if (extension == ".slc")
     return whole(write_slc(scene, path, {.report = report, .levels = levels, .progress = progress}), scene,
@@ -70,6 +80,18 @@ core::Expected<WriteReport> write_file(const core::Scene& scene, core::NodeId no
   if (extension == ".ply") return tessellated(write_ply({scene, node, tolerance, progress}, path));
   return core::fail("expected a name ending in .rvm, .obj, .glb, .gltf, .stl, .ply or .slc, found \"" + path.string() +
                     "\"");
+}
+
+}  // namespace
+
+core::Expected<WriteReport> write_file(const core::Scene& scene, core::NodeId node, const std::filesystem::path& path,
+                                       const WriteOptions& options) {
+  if (options.tiles) return write_tiles_of(scene, node, path, options);
+  const std::string extension = lower_case_extension(path);
+  return write_as(extension, scene, node, path, options).map([&](WriteReport written) {
+    written.attributes_lost = nodes_with_lost_attributes(scene, node, extension);
+    return written;
+  });
 }
 
 }  // namespace sightline::importers

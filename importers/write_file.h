@@ -33,6 +33,7 @@ struct WriteReport {
   };
   std::array<std::uint64_t, core::kKindCount> items{};  ///< written, by kind
   std::uint64_t left_out = 0, bytes = 0;
+  std::uint64_t attributes_lost = 0;           ///< nodes whose attributes the format cannot hold
   std::optional<Tessellated> triangles = {};   ///< none in RVM and scene caches, which keep primitives
   std::optional<std::uint64_t> analytic = {};  ///< of glTF and 3D Tiles: items that are rows of parameters
   std::optional<TilesWriteReport> tiles = {};

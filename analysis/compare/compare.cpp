@@ -86,6 +86,14 @@ bool attributes_alike(const core::Scene::Attributes& a, const core::Scene::Attri
   return x == y;
 }
 
+bool items_have_attributes(const Revision& revision) {
+  bool any = false;
+  revision.scene->for_each_node(revision.top, [&](core::NodeId node, const auto&...) {
+    any = any || (revision.scene->first_item(node) != core::kNoItem && !revision.scene->attributes(node).empty());
+  });
+  return any;
+}
+
 State state_of(std::uint8_t differences) {
   if (differences & (kShape | kMaterial | kAttributes)) return State::kChanged;
   return differences & kPlace ? State::kMoved : State::kUnchanged;
@@ -98,12 +106,14 @@ class Comparer {
         after_(gather(after, progress, 0.2)),
         materials_(*before.scene, *after.scene),
         tolerance_(tolerance),
-        progress_(progress) {}
+        progress_(progress),
+        with_attributes_(items_have_attributes(before) == items_have_attributes(after)) {}
 
   Comparison compare() {
     match(before_, after_, tolerance_, progress_, 0.3);
     progress_.begin(0.2);
     Comparison out;
+    out.with_attributes = with_attributes_;
     out.items.reserve(std::max(before_.entries.size(), after_.entries.size()));
     for (std::uint32_t j = 0; j < after_.entries.size() && progress_.go_on(j, after_.entries.size()); ++j) {
       const Entry& entry = after_.entries[j];
@@ -130,7 +140,8 @@ class Comparer {
     differs(l.same_shape, kShape);
     differs(l.same_place, kPlace);
     differs(materials_.alike(a.material, b.material), kMaterial);
-    differs(attributes_alike(before_.shapes.scene().attributes(a.node), after_.shapes.scene().attributes(b.node)),
+    differs(!with_attributes_ ||
+                attributes_alike(before_.shapes.scene().attributes(a.node), after_.shapes.scene().attributes(b.node)),
             kAttributes);
     differs(a.path == b.path, kPath);
     out.state = state_of(out.differences);
@@ -145,6 +156,7 @@ class Comparer {
   MaterialPairs materials_;
   double tolerance_;
   Progress& progress_;
+  bool with_attributes_;
 };
 
 /// The nodes whose path occurs once.
@@ -193,7 +205,7 @@ core::Expected<Comparison> revisions(const Revision& before, const Revision& aft
   Comparison comparison = Comparer(before, after, options.tolerance, progress).compare();
   progress.begin(0.1);
   if (progress.stopped()) return core::fail(std::string(kCancelled));
-  comparison.nodes = changed_nodes(before, after);
+  if (comparison.with_attributes) comparison.nodes = changed_nodes(before, after);
   return comparison;
 }
 

@@ -87,6 +87,9 @@ struct Comparison {
   std::vector<NodeChange> nodes;  ///< in tree order
   std::array<std::size_t, kStateCount> counts{};  ///< of items, by State
   std::size_t renamed = 0;                        ///< items with kPath, whatever their state
+  /// Attributes were compared: not where the nodes of items have some in one revision and none at all in the other,
+  /// which was then written or read without them.
+  bool with_attributes = true;
 
   std::size_t count(State state) const { return counts[std::size_t(state)]; }
   /// No item and no node differs; names may.

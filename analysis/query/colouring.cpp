@@ -52,7 +52,8 @@ class Groups {
   void put_others(std::span<const std::uint32_t> values) {
     if (values.empty()) return;
     const std::size_t count = values.size();
-    const std::uint8_t group = add(std::to_string(count) + (count == 1 ? " other value" : " other values"), kOther);
+    const std::uint8_t group =
+        add(count == 1 ? values_.all[values[0]].text : std::to_string(count) + " other values", kOther);
     for (const std::uint32_t value : values) put(value, group);
   }
 

@@ -38,7 +38,8 @@ core::Expected<void> check_output(const std::string& output, std::span<const std
   const std::vector<FileFormat> formats = written_formats();
   const auto is_of = [path = core::platform::path_of(output)](const FileFormat& format) { return format.has(path); };
   if (std::none_of(formats.begin(), formats.end(), is_of))
-    return core::fail("expected a name ending in .rvm, .obj, .glb, .gltf, .stl, .ply or .slc, found \"" + output + "\"");
+    return core::fail("expected a name ending in .rvm, .obj, .glb, .gltf, .stl, .ply or .slc, found \"" + output +
+                      "\"");
   for (const std::string& written : {output, companion_of(output)})
     for (const std::string& file : read) {
       std::error_code absent;
@@ -77,8 +78,9 @@ core::NodeId node_to_write(const core::Scene& scene, std::span<const core::NodeI
 }
 
 std::string words_of(const importers::WriteReport& written, const std::string& output, std::uint64_t items) {
-  const std::string words =
-      fmt::format("{}: {} of {} items, {} bytes", output, total(written.items), items, written.bytes);
+  std::string words = fmt::format("{}: {} of {} items, {} bytes", output, total(written.items), items, written.bytes);
+  if (written.attributes_lost > 0)
+    words += fmt::format(", without the attributes of {} nodes (.slc and .glb hold them)", written.attributes_lost);
   if (written.tiles) {
     const importers::TilesWriteReport& tiles = *written.tiles;
     return words + fmt::format(", {} tiles on {} levels, errors up to {:.3g} m, {} triangles", tiles.tiles,

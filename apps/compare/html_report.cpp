@@ -140,6 +140,7 @@ PageSection summary(const Compared& c) {
   body.table({"state", "items"}, rows, {"Each item counts once. An item that has moved and changed is changed.", ""},
              badges);
   if (c.found.renamed > 0) body.paragraph(count_text(c.found.renamed) + " items are renamed, or below other nodes.");
+  if (!c.found.with_attributes) body.paragraph("Attributes are not compared: one revision has none.");
   if (!c.found.nodes.empty())
     body.paragraph(count_text(c.found.nodes.size()) + " nodes without items have other attributes.");
   return {"summary", "Summary", c.found.same() ? "nothing but names has changed" : "", body.text()};

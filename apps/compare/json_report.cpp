@@ -63,7 +63,10 @@ Json group_json(const Compared& c, const Group& group) {
 }  // namespace
 
 Json json_report(const Compared& c) {
-  Json out{{"before", c.before_file}, {"after", c.after_file}, {"tolerance", c.tolerance}};
+  Json out{{"before", c.before_file},
+           {"after", c.after_file},
+           {"tolerance", c.tolerance},
+           {"with_attributes", c.found.with_attributes}};
   for (std::size_t i = 0; i < compare::kStateCount; ++i)
     out["counts"][std::string(compare::name_of(compare::State(i)))] = c.found.counts[i];
   out["renamed"] = c.found.renamed;

@@ -20,6 +20,7 @@ std::string text_report(const Compared& c, std::size_t most) {
   for (std::size_t i = 0; i < compare::kStateCount; ++i)
     text += count_line(compare::name_of(compare::State(i)), c.found.counts[i]);
   text += count_line("renamed", c.found.renamed) + count_line("nodes changed", c.found.nodes.size());
+  if (!c.found.with_attributes) text += "attributes are not compared: one revision has none\n";
   const std::size_t all = c.groups.all.size(), shown = std::min(most, all);
   if (shown > 0) text += "\n";
   for (std::size_t i = 0; i < shown; ++i)

@@ -138,6 +138,7 @@ void exporting_window(Exports& exports);  ///< progress, and a button that cance
 Done save_session(Workspace& work, const std::string& file);
 /// Opens a model beside those that are open, which are seen as before; without a name, asks for one.
 Done append_model(Workspace& work, const std::string& file);
+Done append_models(Workspace& work, const std::vector<std::string>& files);
 /// Shows the session whose models have been opened as it was.
 Done show_returning(Workspace& work);
 

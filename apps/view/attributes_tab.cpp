@@ -40,7 +40,7 @@ bool count_row(const std::string& text, bool selected, const std::vector<std::st
   ImGui::TextUnformatted(shortened(text, ImGui::GetContentRegionAvail().x).c_str());
   for (const std::string& count : counts) {
     ImGui::TableNextColumn();
-    ImGui::TextDisabled("%s", count.c_str());
+    selected ? ImGui::TextUnformatted(count.c_str()) : ImGui::TextDisabled("%s", count.c_str());
   }
   return clicked;
 }

@@ -53,8 +53,12 @@ void Command::bind() {
 std::string help_of(const Command& command) {
   const std::string help = command.help;
   const std::size_t colon = help.rfind(": ");
-  const bool arguments = colon != std::string::npos && colon + 2 < help.size() && std::isupper(help[colon + 2]) != 0;
-  return arguments ? help.substr(0, colon) : help;
+  const bool arguments = colon != std::string::npos && colon + 2 < help.size() &&
+                         (std::isupper(help[colon + 2]) != 0 || std::isdigit(help[colon + 2]) != 0);
+  std::string without = arguments ? help.substr(0, colon) : help;
+  constexpr std::string_view kOfPart = ", or a part";  // which nobody names with the mouse
+  if (arguments && without.ends_with(kOfPart)) without.resize(without.size() - kOfPart.size());
+  return without;
 }
 
 const Command* find_command(const std::string& name) {

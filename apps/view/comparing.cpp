@@ -33,12 +33,13 @@ Done step(Session& session, int by) {
 
 std::string summary(const ChangeList& changes) {
   const std::string file = std::filesystem::path(changes.file()).filename().string();
-  if (changes.found().same()) return "nothing has changed since " + file;
+  const std::string but = changes.found().with_attributes ? "" : "; attributes are not compared: one revision has none";
+  if (changes.found().same()) return "nothing has changed since " + file + but;
   std::string text = "since " + file + ":";
   for (const State state : {State::kAdded, State::kRemoved, State::kMoved, State::kChanged})
     text += (state == State::kAdded ? " " : ", ") + grouped(std::int64_t(changes.found().count(state))) + " " +
             std::string(compare::name_of(state));
-  return text;
+  return text + but;
 }
 
 Done compare_with(Workspace& work, const std::string& file) {
@@ -53,7 +54,7 @@ Done compare_with(Workspace& work, const std::string& file) {
 Done end_comparison(Workspace& work, const std::string&) {
   if (auto free = work.scene_is_free(); !free) return free;
   if (const auto changes = changes_of(*work.session); !changes) return tl::unexpected(changes.error());
-  return work.session->end_comparison();
+  return work.session->end_comparison().map([&] { work.messages.tell("the comparison has ended"); });
 }
 
 Done toggle_changes(const std::string& name, Session& session) {

@@ -104,8 +104,8 @@ void tell_of_export(const std::string& what) {
   wrapped_text(what);
   ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
   wrapped_text(
-      ".rvm and .slc keep primitives and all layers; .obj, .glb and .gltf get triangles, without obstruction and "
-      "insulation volumes.");
+      ".rvm and .slc keep primitives and all layers; the others get triangles, without obstruction and insulation "
+      "volumes. .slc, .glb and .gltf keep attributes.");
   ImGui::PopStyleColor();
 }
 

@@ -42,11 +42,12 @@ FileRequest models(Workspace&) {
 }
 
 FileRequest more_models(Workspace&) {
-  return {Purpose::kOpen, "All models", model_formats()};
+  return {Purpose::kOpenSeveral, "All models", model_formats()};
 }
 
-/// Named after the model.
+/// Named as before, or after the model.
 FileRequest new_session(Workspace& work) {
+  if (!work.session_file.empty()) return {Purpose::kSave, "", {session_format()}, work.session_file};
   const std::string stem = std::filesystem::path(work.files().front()).stem().string();
   return {Purpose::kSave, "", {session_format()}, stem + ".sightline"};
 }
@@ -105,7 +106,7 @@ constexpr FileQuestion kQuestions[] = {
     {Dialog::kExportSelection, "Export the selection", "Export", true, new_selection, with_one<export_selection>,
      export_selection_options},
     {Dialog::kSaveSession, "Save the session", "Save", true, new_session, with_one<save_session>},
-    {Dialog::kAppend, "Append a file", "Append", true, more_models, with_one<append_model>, open_options},
+    {Dialog::kAppend, "Append files", "Append", true, more_models, append_models, open_options},
     {Dialog::kSaveAndQuit, "Save all views and quit", "Save and quit", false, new_views, with_one<save_and_quit>},
 };
 

@@ -57,6 +57,12 @@ bool stand_on_floor(Workspace& work, const Walker& walker) {
   return true;
 }
 
+void tell_section(Workspace& work, std::size_t index) {
+  const auto& all = work.session->sections.all();
+  if (index < all.size())
+    work.messages.tell("kept: " + section_words(all[index], work.session->offset(), work.lengths()));
+}
+
 }  // namespace
 
 std::optional<AxisTriad> Gestures::triad() const {
@@ -170,7 +176,11 @@ void Gestures::release_button(const Event& event) {
   move_cursor(event.at);
   const Drag drag = *std::exchange(drag_, std::nullopt);
   if (drag.slides) return;
-  if (section_handles_.dragging()) return section_handles_.release(*work_.session, !drag.moves);
+  if (section_handles_.dragging()) {
+    const auto target = section_handles_.dragged();
+    section_handles_.release(*work_.session, !drag.moves);
+    return target ? tell_section(work_, target->section) : void();
+  }
   if (!drag.moves && drag.button == GLFW_MOUSE_BUTTON_LEFT)
     work_.session->engine.preparing_picks() ? void(click_ = drag) : click(drag);
   else if (!drag.moves && drag.button == GLFW_MOUSE_BUTTON_RIGHT)
@@ -228,8 +238,7 @@ void Gestures::click(const Drag& drag) {
     const auto done = cut_at(under(drag.from), *work_.session, work_.shown);
     if (!done) return work_.messages.tell_outcome(done);
     work_.shown.tool = Tool::kSelect;
-    return work_.messages.tell(
-        "kept: " + section_words(work_.session->sections.all().back(), work_.session->offset(), work_.lengths()));
+    return tell_section(work_, work_.session->sections.all().size() - 1);
   }
   const auto hit = work_.session->pick(work_.image.in_image(drag.from));
   if (!hit) return work_.messages.tell(hit.error().message, true);

@@ -1,4 +1,5 @@
 // What draws mark-ups: the mouse, and commands.
+#include <string_view>
 #include <utility>
 
 #define GLFW_INCLUDE_NONE
@@ -9,6 +10,8 @@
 
 namespace sightline::apps {
 namespace {
+
+constexpr const char* kWordsToCome = "…";  // of a text whose words are still to be written
 
 /// Between two places of the window, on a plane through a point.
 core::Expected<Markup> markup_between(const Workspace& work, const AskedMarkup& asked, const core::dvec3& through) {
@@ -25,12 +28,14 @@ Done draw(Workspace& work, const AskedMarkup& asked, const core::dvec3& through)
   });
 }
 
-/// With the words of the tab, which are then used.
+/// The words come from the tab, before or after.
 void draw_by_mouse(Workspace& work, const core::dvec2& from, const core::dvec2& to, const core::dvec3& through) {
   Marking& marking = work.session->marking;
-  const Done done = draw(work, {marking.kind, from, to, marking.words}, through);
-  if (done) marking.words.clear();
-  work.messages.tell_outcome(done);
+  const auto put = [&](Markup&& made) {
+    if (made.kind == Markup::Kind::kText) work.shown.tab = "Mark up", work.shown.panels = true;
+    marking.draw(std::move(made), work.shown.panels && work.shown.tab == std::string_view("Mark up"));
+  };
+  work.messages.tell_outcome(markup_between(work, {marking.kind, from, to, kWordsToCome}, through).map(put));
 }
 
 }  // namespace
@@ -58,7 +63,7 @@ bool draws_markup(const Workspace& work, const Gestures::Drag& drag) {
 
 core::Expected<Markup> markup_of(const Workspace& work, const Gestures::Drag& drag) {
   const Marking& marking = work.session->marking;
-  return markup_between(work, {marking.kind, drag.from, drag.last, marking.words}, drag.point);
+  return markup_between(work, {marking.kind, drag.from, drag.last, marking.next_words()}, drag.point);
 }
 
 void mark_dragged(Workspace& work, const Gestures::Drag& drag) {

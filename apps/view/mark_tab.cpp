@@ -55,11 +55,13 @@ void mark_tab(Workspace& work) {
   Marking& marking = work.session->marking;
   kinds(work);
   ImGui::SetNextItemWidth(-1.0f);
-  ImGui::InputTextWithHint("##words", "words", &marking.words);
+  if (marking.asks_for_words()) ImGui::SetKeyboardFocusHere();
+  ImGui::InputTextWithHint("##words", "words", &marking.words());
+  if (ImGui::IsItemDeactivated()) marking.end_writing();
   const bool text = marking.kind == Kind::kText;
-  wrapped_text(text                           ? "A click places the words."
-               : marking.kind == Kind::kCloud ? "A drag draws a cloud around something."
-                                              : "A drag draws an arrow, from its tip.");
+  wrapped_text(text                           ? "A click says where; then type the words."
+               : marking.kind == Kind::kCloud ? "A drag draws a cloud around something; words may follow."
+                                              : "A drag draws an arrow, from its tip; words may follow.");
   markup_list(marking);
   const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
   command_button(work, "marks-clear", right);

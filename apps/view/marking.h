@@ -15,18 +15,43 @@ namespace sightline::apps {
 
 class Marking {
  public:
-  /// What is drawn next: an arrow, a cloud or a text, and its words.
-  Markup::Kind kind = Markup::Kind::kArrow;
-  std::string words;
+  Markup::Kind kind = Markup::Kind::kArrow;  ///< what is drawn next
+
+  /// The words of the one that was drawn last, while somebody writes them, or of the one that is drawn next.
+  std::string& words() { return writing_ ? list_.back().words : words_; }
+  const std::string& next_words() const { return words_; }
 
   const std::vector<Markup>& list() const { return list_; }
-  void set(std::vector<Markup> list) { list_ = std::move(list); }
+  void set(std::vector<Markup> list) {
+    writing_ = false;
+    list_ = std::move(list);
+  }
   void add(Markup markup) { list_.push_back(std::move(markup)); }
-  void remove(std::size_t index) { list_.erase(list_.begin() + std::ptrdiff_t(index)); }
-  void clear() { list_.clear(); }
+  void remove(std::size_t index) {
+    end_writing();
+    if (index < list_.size()) list_.erase(list_.begin() + std::ptrdiff_t(index));
+  }
+  void clear() { set({}); }
+  /// One that is drawn by hand gets the words that wait for it; without any, somebody may write them from now on.
+  void draw(Markup markup, bool write) {
+    end_writing();
+    markup.words = std::exchange(words_, "");
+    writing_ = asks_ = write && markup.words.empty();
+    add(std::move(markup));
+  }
+  bool writing() const { return writing_; }
+  /// Once after draw(): the field for words wants the keyboard.
+  bool asks_for_words() { return std::exchange(asks_, false); }
+  /// A text without words is gone then.
+  void end_writing() {
+    if (std::exchange(writing_, false) && list_.back().kind == Markup::Kind::kText && list_.back().words.empty())
+      list_.pop_back();
+  }
 
  private:
   std::vector<Markup> list_;
+  std::string words_;
+  bool writing_ = false, asks_ = false;
 };
 
 /// The direction in which an image looks, through its middle.

@@ -36,28 +36,28 @@ void relation_rows(const measure::Snap& a, const measure::Snap& b, const LengthF
   rows.emplace_back(axes.parallel ? "between the axes" : "between the lines", lengths.text(axes.shortest.distance));
 }
 
-/// "1.234 m²", "567 mm²", "8.9 ft³": an amount in square or cubic metres.
-std::string amount_text(double amount, bool cubic, Units units) {
+/// "1.234 m²", "567 mm²", "8.9 ft³": an amount in square or cubic metres, `small` of which are told in millimetres.
+std::string amount_text(double amount, bool cubic, bool small, Units units) {
   const char* const power = cubic ? "³" : "²";
   const auto text = [&](double value, const char* unit) { return short_number(value, 6) + " " + unit + power; };
   if (units == Units::kFeet) return text(amount / std::pow(0.3048, cubic ? 3 : 2), "ft");
-  constexpr double kSmall = 0.01;
-  if (amount >= (cubic ? kSmall * kSmall : kSmall)) return text(amount, "m");
-  return text(amount * (cubic ? 1e9 : 1e6), "mm");
+  return small ? text(amount * (cubic ? 1e9 : 1e6), "mm") : text(amount, "m");
 }
 
 void weight_rows(const measure::Amounts& amounts, std::size_t items, double density, Units units,
                  std::vector<Measuring::Row>& rows) {
   rows.emplace_back("items", grouped(std::int64_t(items)));
-  rows.emplace_back("area", amount_text(amounts.area, false, units));
-  rows.emplace_back("volume", amount_text(amounts.volume, true, units));
+  constexpr double kSmallArea = 0.1, kSmallVolume = 1e-3;
+  const bool small = amounts.area < kSmallArea && amounts.volume < kSmallVolume;
+  rows.emplace_back("area", amount_text(amounts.area, false, small, units));
+  rows.emplace_back("volume", amount_text(amounts.volume, true, small, units));
   rows.emplace_back("mass at " + short_number(density, 6) + " kg/m³",
                     short_number(amounts.volume * density, 6) + " kg");
   constexpr double kExact = 1e-6;
   if (!(amounts.area_error <= kExact * amounts.area))
-    rows.emplace_back("area, off by at most", amount_text(amounts.area_error, false, units));
+    rows.emplace_back("area, off by at most", amount_text(amounts.area_error, false, small, units));
   if (!(amounts.volume_error <= kExact * amounts.volume))
-    rows.emplace_back("volume, off by at most", amount_text(amounts.volume_error, true, units));
+    rows.emplace_back("volume, off by at most", amount_text(amounts.volume_error, true, small, units));
   if (amounts.open > 0) rows.emplace_back("without volume", grouped(std::int64_t(amounts.open)) + " open or flat");
 }
 

@@ -93,6 +93,14 @@ core::Expected<std::string> ModelTree::find_named(const NameQuery& query) {
   return named_items(*scene_, query.text).map([](const NamedItems& found) { return found.words; });
 }
 
+bool ModelTree::find_letters() {
+  if (matches_.count == 0 || items_) return false;
+  if (matches_.count == matches_.nodes.size()) return true;
+  auto all = index_.find(query_, matches_.count);
+  if (all) matches_ = std::move(*all);
+  return all.has_value();
+}
+
 core::Expected<NamedItems> ModelTree::items_named(const std::string& text) {
   release_scene();
   const auto found = by_rule(text);

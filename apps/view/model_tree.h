@@ -30,6 +30,8 @@ class ModelTree {
   /// Shows what the text names (named_items(); "KEY:TEXT" is also understood), or the nodes that a regular expression
   /// matches, and says how many there are. Fails where there is nothing, and then shows what find() does.
   core::Expected<std::string> find_named(const NameQuery& query);
+  /// Whether find() shows nodes that hold the text: items() are then those of all of them, also beyond the rows.
+  bool find_letters();
   /// Items that a text names, whatever is shown.
   core::Expected<NamedItems> items_named(const std::string& text);
   /// The items of what is found, in rising order.

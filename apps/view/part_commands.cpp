@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "sightline/apps/common/numbers.h"
 #include "sightline/apps/common/output.h"
 #include "sightline/apps/view/actions.h"
 #include "sightline/apps/view/needs.h"
@@ -13,11 +14,17 @@ Done find_parts(const std::string& text, Session& session, Messages& messages) {
 Done select_found(const std::string&, Session& session, Messages& messages) {
   ModelTree& tree = session.tree;
   if (!tree.named()) {
+    const std::string text = tree.query().text;
     const auto words = tree.find_named(NameQuery(tree.query()));
-    if (!words) return tl::unexpected(words.error());
-    messages.tell(*words);
+    if (!words && !tree.find_letters()) return tl::unexpected(words.error());
+    messages.tell(
+        words ? *words : grouped(std::int64_t(tree.match_count())) + " parts have \"" + text + "\" in a name or value");
   }
-  return session.document.select(tree.items());
+  const std::vector<core::ItemId> items = tree.items();
+  if (!messages.is_new())
+    messages.tell(grouped(std::int64_t(items.size())) + (items.size() == 1 ? " item is" : " items are") +
+                  " selected: " + tree.query().text);
+  return session.document.select(items);
 }
 
 core::Expected<std::vector<core::ItemId>> items_named(const std::string& text, Session& session, Messages& messages) {

@@ -51,12 +51,17 @@ void item_changes(const ChangeList& changes, const core::Scene& scene, core::Ite
   ImGui::EndTable();
 }
 
-void selection_properties(const core::Scene& scene, const Document& document) {
+void selection_properties(const core::Scene& scene, const Document& document, const LengthFormat& lengths) {
   const auto selection = document.selection();
   std::map<std::string, std::int64_t> kinds;
   for (const core::ItemId item : selection) ++kinds[std::string(core::name_of(scene.kind(item)))];
   if (!begin_rows("kinds")) return;
   for (const auto& [kind, count] : kinds) row(kind.c_str(), grouped(count));
+  if (const core::AabbD bounds = document.bounds(selection); !bounds.empty()) {
+    row("size", lengths.text(bounds.size()));
+    row("from", lengths.text(bounds.min));
+    row("to", lengths.text(bounds.max));
+  }
   ImGui::EndTable();
   if (const core::NodeId part = document.selected_part(); part.valid()) node_properties(scene, part);
 }
@@ -119,7 +124,7 @@ void properties_tab(Workspace& work) {
     if (session.changes()) item_changes(*session.changes(), session.scene(), selection[0], work.lengths());
     item_properties(session.scene(), selection[0], work.lengths());
   } else {
-    selection_properties(session.scene(), session.document);
+    selection_properties(session.scene(), session.document, work.lengths());
   }
 }
 

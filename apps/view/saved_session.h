@@ -8,6 +8,7 @@
 // folder can be moved with all that is in it. Images of views are not kept.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -30,9 +31,10 @@ struct SavedSession {
   Reading reading;
   Viewpoint now;
   std::vector<Viewpoint> views;
-  int current = -1;        ///< index of the current view; -1: none
-  std::string older = {};  ///< what it is compared with, with its absolute path; or empty
-  bool appended = false;   ///< the last file is new, and shown whatever `now` hides; not kept
+  int current = -1;          ///< index of the current view; -1: none
+  std::string older = {};    ///< what it is compared with, with its absolute path; or empty
+  std::size_t appended = 0;  ///< so many models at the end are new, and shown whatever `now` hides; not kept
+  std::string file = {};     ///< that it came from; empty: none; not kept
 };
 
 core::Expected<void> write_session(const SavedSession& session, const std::filesystem::path& file);

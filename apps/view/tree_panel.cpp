@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <string>
 
 #include <imgui.h>
@@ -78,7 +79,8 @@ void search_field(Workspace& work, ModelTree& tree) {
   ImGui::SameLine();
   if (ImGui::SmallButton("Select") || entered)
     work.messages.tell_outcome(select_found("", *work.session, work.messages));
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("What has exactly this name, or else these words; *text* takes all");
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("What has exactly this name, or else these words, or else these letters");
   ImGui::SameLine();
   if (ImGui::SmallButton("Keep")) run(work, "set-keep");
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("Lists this search above the tree, where a click selects");
@@ -119,7 +121,8 @@ void eye(Workspace& work, const TreeRow& row, const TreeStates::Below& below, fl
 
 /// The name, shortened where it has no room, and the number of items below.
 void row_text(const TreeRow& row, std::string_view above, const std::string& name, const TreeStates::Below& below,
-              float x, float end) {
+              bool selected, const std::array<float, 2>& columns) {
+  const auto [x, end] = columns;
   const ImVec4 match(0.95f, 0.6f, 0.15f, 1.0f), faint = ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled);
   const std::string count = below.items > 1 ? grouped(below.items) : "";
   const float count_wide = count.empty() ? 0.0f : ImGui::CalcTextSize(count.c_str()).x + 0.5f * ImGui::GetFontSize();
@@ -131,7 +134,7 @@ void row_text(const TreeRow& row, std::string_view above, const std::string& nam
                      "%s", text.c_str());
   if (count.empty()) return;
   ImGui::SameLine(end - ImGui::CalcTextSize(count.c_str()).x);
-  ImGui::TextColored(faint, "%s", count.c_str());
+  ImGui::TextColored(selected ? ImGui::GetStyleColorVec4(ImGuiCol_Text) : faint, "%s", count.c_str());
 }
 
 /// Returns whether the row was opened or closed, after which the rows are others.
@@ -161,7 +164,8 @@ bool node_row(Workspace& work, const TreeRow& row, ModelTree& tree) {
     ImGui::SetTooltip("%s", name.c_str());
   node_menu(work, row.node, tree);
   const core::NodeId above = session.scene().parent(row.node);
-  row_text(row, above.valid() ? session.scene().name(above) : std::string_view(), name, below, x, name_end);
+  row_text(row, above.valid() ? session.scene().name(above) : std::string_view(), name, below,
+           (flags & ImGuiTreeNodeFlags_Selected) != 0, {x, name_end});
   if (below.items > 0) eye(work, row, below, end - 1.1f * font);
   ImGui::PopID();
   if (toggled) open ? tree.rows().expand(row.node) : tree.rows().collapse(row.node);

@@ -252,6 +252,7 @@ Done Viewer::landed(std::unique_ptr<Session> session, bool lenient) {
   for (const std::string& file : open.files)  // attributes alone open nothing
     if (!importers::is_attribute_file(file)) work_.shown.add_recent(file);
   work_.last.reset();
+  work_.session_file.clear();
   Done shown;
   if (work_.returning) shown = show_returning(work_);
   warn_of_outliers(open.bounds());

@@ -106,7 +106,13 @@ void quit_window(Workspace& work) {
   const std::size_t unsaved = work.views.unsaved();
   ImGui::TextWrapped("%zu view%s of the list %s in no file, and would be lost.", unsaved, unsaved == 1 ? "" : "s",
                      unsaved == 1 ? "is" : "are");
-  if (ImGui::Button("Save and quit…")) work.shown.dialog = Dialog::kSaveAndQuit;
+  if (work.session_file.empty()) {
+    if (ImGui::Button("Save and quit…")) work.shown.dialog = Dialog::kSaveAndQuit;
+  } else if (ImGui::Button("Save the session and quit")) {
+    const Done saved = save_session(work, work.session_file);
+    work.messages.tell_outcome(saved);
+    if (saved) work.window.close();
+  }
   ImGui::SameLine();
   if (ImGui::Button("Quit without them")) work.window.close();
   ImGui::SameLine();

@@ -81,6 +81,7 @@ void Workspace::open(const std::vector<std::string>& files, bool lenient) {
     auto read = read_session(core::platform::path_of(files[0]));
     if (!read) return messages.tell(read.error().message, true);
     read->reading.lenient |= lenient;
+    read->file = files[0];
     return open(std::move(*read));
   }
   open_models(files, lenient);

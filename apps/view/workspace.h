@@ -92,6 +92,7 @@ struct Workspace {
   Pace pace;
   std::unique_ptr<Session> session;       ///< null while no model is open
   std::optional<SavedSession> returning;  ///< how the models that are being read will be shown
+  std::string session_file;               ///< that what is open was saved to, or came from; or empty
   std::optional<SavedSession> last;       ///< what was open when the viewer was closed, until something else is open
   Damaged damaged;                        ///< until something else is opened
   FinerMeshes finer;                      ///< of the session's scene

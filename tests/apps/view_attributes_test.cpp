@@ -26,6 +26,17 @@ TEST_F(ViewAttributes, ConditionsAreFoundSelectedAndHidden) {
   EXPECT_NE(refused.err.find("expected @size with <, <=, > or >= and a length"), std::string::npos) << refused;
 }
 
+/// Enter selects what the list shows: also parts that have the letters alone.
+TEST_F(ViewAttributes, EnterSelectsWhatTheListShows) {
+  expect_driven(
+      "press ctrl+f\ntype PIP\nexpect /found = 2\npress enter\nexpect /selection/count = 2\n"
+      "expect /message = \"2 parts have \\\"PIP\\\" in a name or value\"\n"
+      "find @size>3\nexpect /found = 2\nselect-found\nexpect /message = \"2 items are selected: @size>3\"\n",
+      {model(), "--size", "800x600", "--scale", "1"});
+  expect_driven("press ctrl+f\ntype PIPE-2\nexpect /found = 2\npress enter\nexpect /selection/count = 1\n",
+                {model(), "--size", "800x600", "--scale", "1"});
+}
+
 /// The legend lies in the image's upper left corner; its first row has the smallest sizes.
 TEST_F(ViewAttributes, ColoursHaveALegendThatSelects) {
   const std::string plain = path("plain.png"), coloured = path("coloured.png"), again = path("again.png");

@@ -40,7 +40,7 @@ TEST_F(ViewScript, TheTabHasWordsAndAList) {
   const Json text = state_after(
       "front\npress shift+m\nclick 696 125\nclick 640 150\ntype bolt M12\nclick 400 300\nexpect /markups/count = "
       "1\nclick 400 "
-      "350\nexpect /markups/count = 1\n",
+      "350\npress escape\nexpect /markups/count = 1\n",
       args);
   EXPECT_EQ(text["markups"]["last"]["kind"], "text") << text["markups"].dump();
   EXPECT_EQ(text["markups"]["last"]["words"], "bolt M12") << "which are used once";
@@ -70,6 +70,16 @@ TEST_F(ViewScript, MarkUpsBelongToViews) {
 #endif
   for (const char* bad : {"mark circle 1 2\n", "mark text 10 10\n", "mark arrow 1 2 3\n", "mark-remove 1\n"})
     EXPECT_EQ(drive(bad, args).code, 1) << bad;
+}
+
+/// What is typed after a mark-up is drawn are its words, not keys of commands.
+TEST_F(ViewScript, WordsFollowWhatIsDrawn) {
+  expect_driven(
+      "front\npress shift+m\nclick 696 125\nclick 400 300\ntype hide 12 <50 mm>\nexpect /markups/last/words = \"hide "
+      "12 <50 "
+      "mm>\"\npress enter\nexpect /hidden = 0\nexpect /tool = mark\nclick 450 350\nexpect /markups/count = 2\n"
+      "press escape\nexpect /markups/count = 1\ndrag 300 200 200 100\nexpect /markups/count = 1\n",
+      {boxes(), "--size", "800x600", "--scale", "1"});
 }
 
 /// Also in tiles, where the image is larger than the window; without marks, images are what they were.

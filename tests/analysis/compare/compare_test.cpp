@@ -271,13 +271,13 @@ std::vector<int> twin(const std::vector<Listed>& before, const std::vector<Liste
   return partner;
 }
 
-void expect_pair(const Change& change, const Listed& a, const Listed& b) {
+void expect_pair(const Change& change, const Listed& a, const Listed& b, bool with_attributes) {
+  const bool other_attributes = with_attributes && a.attributes != b.attributes;
   EXPECT_EQ(bool(change.differences & compare::kShape), a.piece.shape != b.piece.shape);
   EXPECT_EQ(bool(change.differences & compare::kMaterial), a.piece.material != b.piece.material);
-  EXPECT_EQ(bool(change.differences & compare::kAttributes), a.attributes != b.attributes);
+  EXPECT_EQ(bool(change.differences & compare::kAttributes), other_attributes);
   EXPECT_EQ(bool(change.differences & compare::kPath), a.path != b.path);
-  const bool changed =
-      a.piece.shape != b.piece.shape || a.piece.material != b.piece.material || a.attributes != b.attributes;
+  const bool changed = a.piece.shape != b.piece.shape || a.piece.material != b.piece.material || other_attributes;
   if (a.piece.shape == b.piece.shape) {
     EXPECT_EQ(bool(change.differences & compare::kPlace), !same_place(a, b));
   }
@@ -286,6 +286,10 @@ void expect_pair(const Change& change, const Listed& a, const Listed& b) {
 
 void expect_like_twin(const Comparison& found, const std::vector<Listed>& before, const std::vector<Listed>& after) {
   const std::vector<int> partner = twin(before, after);
+  const auto any = [](const std::vector<Listed>& side) {
+    return std::any_of(side.begin(), side.end(), [](const Listed& one) { return !one.attributes.empty(); });
+  };
+  EXPECT_EQ(found.with_attributes, any(before) == any(after));
   std::vector<bool> taken(before.size(), false);
   ASSERT_GE(found.items.size(), after.size());
   for (std::size_t j = 0; j < after.size(); ++j) {
@@ -299,7 +303,7 @@ void expect_like_twin(const Comparison& found, const std::vector<Listed>& before
       continue;
     }
     taken[std::size_t(partner[j])] = true;
-    expect_pair(change, before[std::size_t(partner[j])], after[j]);
+    expect_pair(change, before[std::size_t(partner[j])], after[j], found.with_attributes);
   }
   std::size_t at = after.size();
   for (std::size_t i = 0; i < before.size(); ++i) {
@@ -549,6 +553,19 @@ TEST(Compare, MaterialsAndAttributesAreThoseOfTheWholeChain) {
   ASSERT_EQ(found.nodes.size(), 1u);
   EXPECT_EQ(found.nodes[0].after, after.root());
   EXPECT_FALSE(found.same());
+}
+
+/// A file of a format that holds no attributes, or read without their file.
+TEST(Compare, ARevisionWithoutAttributesDiffersInNone) {
+  core::Scene before = scene_of(core::Sphere{1}, {}), after = scene_of(core::Sphere{1}, {});
+  before.set_attribute(before.root(), "rvm.date", "1");  // of the file, not of what it holds
+  after.set_attribute(after.first_child(after.root()), "A", "1");
+  const Comparison found = compared(before, after);
+  EXPECT_TRUE(found.same());
+  EXPECT_FALSE(found.with_attributes);
+  before.set_attribute(before.first_child(before.root()), "A", "2");
+  EXPECT_TRUE(compared(before, after).with_attributes);
+  EXPECT_FALSE(compared(before, after).same());
 }
 
 TEST(Compare, SubtreesAndHiddenItemsTakePart) {

@@ -235,6 +235,12 @@ struct Plant {
 
 struct Plants : Pair {
   Plant old{before}, now{after};
+
+  /// One part has an attribute in both, so that others are compared.
+  void begin_attributes() {
+    before.set_attribute(old.parts.back(), "Type", "flange");
+    after.set_attribute(now.parts.back(), "Type", "flange");
+  }
 };
 
 TEST(CompareGroups, NothingChangedIsNoGroup) {
@@ -286,6 +292,7 @@ TEST(CompareGroups, DisplacementsInTurnAreStillTwoGroups) {
 
 TEST(CompareGroups, AnItemThatChangedInTwoWaysIsInTwoGroups) {
   Plants p;
+  p.begin_attributes();
   p.after.set_transform(p.now.lines[0], core::translation({0, 0, 1}));
   p.after.set_material(p.now.items[3], p.after.add_material({"red", {1, 0, 0}, 1, 0}));
   p.after.set_attribute(p.now.parts[3], "Spec", "B");
@@ -337,6 +344,7 @@ TEST(CompareGroups, ANodeThatWasRenamedIsOneGroup) {
 
 TEST(CompareGroups, AttributesAreGroupedByTheirNames) {
   Plants p;
+  p.begin_attributes();
   for (int i = 0; i < 10; ++i) p.after.set_attribute(p.now.parts[std::size_t(i)], "Revision", std::to_string(i));
   for (int i = 10; i < 20; ++i) p.after.set_attribute(p.now.parts[std::size_t(i)], "Spec", "A");
   for (const NodeId line : p.now.lines) p.after.set_attribute(line, "Checked", "yes");
