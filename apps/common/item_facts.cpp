@@ -24,7 +24,7 @@ const std::array<std::vector<const char*>, core::kPrimitiveKindCount>& parameter
       return names[std::size_t(kind)];
     };
     of(kPyramid) = {"bottom x", "bottom y", "top x", "top y", "offset x", "offset y", "height"};
-    of(kBox) = {"size x", "size y", "size z"};
+    of(kBox) = {"along its own x", "along its own y", "along its own z"};
     of(kRectangularTorus) = {"inner radius", "outer radius", "height", "angle"};
     of(kCircularTorus) = {"bend radius", "tube radius", "angle"};
     of(kEllipticalDish) = of(kSphericalDish) = {"base radius", "height"};

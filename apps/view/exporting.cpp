@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <optional>
 #include <utility>
 
@@ -16,6 +17,7 @@
 #include "sightline/apps/view/image_marks.h"
 #include "sightline/apps/view/needs.h"
 #include "sightline/apps/view/widgets.h"
+#include "sightline/core/internal/platform/files.h"
 #include "sightline/importers/internal/extension.h"
 #include "sightline/importers/view_json.h"
 #include "sightline/render/image/image.h"
@@ -157,7 +159,9 @@ Done write_screenshot(Workspace& work, const std::string& file) {
   if (const Painter marks = image_marks(work)) marks(*view, {image->width, image->height}).paint(*image);
   if (auto done = write_colours(*image, name); !done) return done;
   warn_if_blank(session.engine, session.image.visible(), name);
-  work.messages.tell("image: " + name);
+  std::error_code none;
+  const auto place = std::filesystem::absolute(core::platform::path_of(name), none);
+  work.messages.tell("image: " + core::platform::name_of(place));
   return {};
 }
 

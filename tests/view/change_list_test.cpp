@@ -261,7 +261,7 @@ TEST(ChangeList, TellsWhatDiffers) {
   EXPECT_EQ(describe(*changes->of(ItemId{0}), {Units::kMillimetres}), "changed: shape, attributes; moved by 1,500 mm");
   const auto facts = changes->differing_facts(*open.scene, ItemId{0});
   ASSERT_EQ(facts.size(), 4u);
-  EXPECT_EQ(facts[0], (FactChange{"size x", "1 m", "2 m"}));
+  EXPECT_EQ(facts[0], (FactChange{"along its own x", "1 m", "2 m"}));
   EXPECT_EQ(facts[1].name, "from");
   EXPECT_EQ(facts[3], (FactChange{"Mark", "A", "B"}));
   EXPECT_EQ(differing({{"a", "1"}, {"b", "2"}}, {{"c", "3"}, {"b", "2"}}),
