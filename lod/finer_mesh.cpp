@@ -18,10 +18,8 @@ namespace {
 
 using core::dvec3, core::kNone, core::MeshSide, core::MeshSurface, core::vec3;
 
-constexpr int kMostPasses = 10;   // each takes three quarters of the gap away
-constexpr int kProjections = 12;  // in turn onto two surfaces
-constexpr double kMostBent =
-    0.1;  // of a side's length: an arc of 45 degrees; coarser facets tell too little of the shape
+constexpr int kMostPasses = 10;       // each takes three quarters of the gap away
+constexpr int kProjections = 12;      // in turn onto two surfaces
 constexpr double kLeastCosine = 0.7;  // of normals at both ends, 45 degrees: coarser facets tell too little of a shape
 constexpr double kAgreement = 0.25;   // of the tolerance: how far a point of two surfaces may lie off either
 

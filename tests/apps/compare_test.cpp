@@ -23,7 +23,7 @@ TEST_F(Compare, FindsAModelLikeItself) {
   const std::string model = plant(1000);
   const Json json = run_json("compare", {model, model});
   EXPECT_EQ(keys_of(json), (std::vector<std::string>{"after", "before", "counts", "groups", "items", "nodes", "renamed",
-                                                     "tolerance"}));
+                                                     "tolerance", "with_attributes"}));
   EXPECT_EQ(json["counts"]["unchanged"], 1000);
   EXPECT_EQ(json["groups"], Json::array());
   EXPECT_EQ(json["items"], Json::array());
@@ -58,7 +58,15 @@ TEST_F(Compare, CountsWhatCameAndWent) {
 TEST_F(Compare, ReadsAttributeFiles) {
   const std::string data = in_checkout("tests/data/small_plant").string();
   const Json json = run_json("compare", {data + ".rvm", data + ".rvm", "--new-attributes", data + ".txt"});
-  EXPECT_GT(json["counts"]["changed"].get<int>() + int(json["nodes"].size()), 0);
+  EXPECT_EQ(json["counts"]["changed"], 0);
+  EXPECT_EQ(json["with_attributes"], false);
+  std::string other = read_bytes(data + ".txt");
+  for (std::size_t at = other.find(":= ", other.find("NEW /")); at != std::string::npos; at = other.find(":= ", at + 3))
+    other.insert(at + 3, "x");
+  const Json changed = run_json("compare", {data + ".rvm", data + ".rvm", "--old-attributes", write("other.txt", other),
+                                            "--new-attributes", data + ".txt"});
+  EXPECT_EQ(changed["with_attributes"], true);
+  EXPECT_GT(changed["counts"]["changed"].get<int>() + int(changed["nodes"].size()), 0);
   const Args both = {data + ".rvm", data + ".rvm",      "--old-attributes",
                      data + ".txt", "--new-attributes", data + ".txt"};
   EXPECT_EQ(run_json("compare", both)["counts"]["changed"], 0);
