@@ -1,5 +1,6 @@
 // Images of sightline-view: in motion, at rest, and beside a frozen camera. Skipped without Xvfb.
 #include "sightline/tests/apps/view_window.h"
+#include "sightline/tests/support/test_data.h"
 
 namespace sightline::tests::view_image_test {
 namespace {
