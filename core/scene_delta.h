@@ -12,8 +12,8 @@
 namespace sightline::core {
 
 /// What a commit touched, each item and material at most once and in rising order: `changed` items were moved, hidden,
-/// shown, re-layered or given another material or mesh. Removals come first: an item that is removed and inserted is another
-/// one with the id of the former (Scene::reuse_ids).
+/// shown, re-layered or given another material or mesh. Removals come first: an item that is removed and inserted is
+/// another one with the id of the former (Scene::reuse_ids).
 struct SIGHTLINE_API SceneDelta {
   std::vector<ItemId> inserted, changed, removed;
   std::vector<std::uint32_t> materials;  ///< indices of those added, updated or removed

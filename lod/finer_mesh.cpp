@@ -53,7 +53,7 @@ bool follows(const MeshSurface& surface, const dvec3& a, const dvec3& b) {
   return glm::dot(n, m) >= kLeastCosine * glm::length(n) * glm::length(m);
 }
 
-/// What an edge should be halved at.
+/// The place where an edge should be halved.
 struct Middle {
   dvec3 chord, point;
   bool follows = true;  // the edge, its surfaces
@@ -67,7 +67,6 @@ class Facets {
     face_of_.resize(mesh.indices.size() / 3);
     for (std::uint32_t t = 0; t < face_of_.size(); ++t) face_of_[t] = core::surface_of(mesh, t);
   }
-  bool curved() const { return std::any_of(surfaces_.begin(), surfaces_.end(), is_curved); }
   std::span<const MeshSurface> surfaces() const { return surfaces_; }
   /// Null where none is known on which the triangle's corners lie.
   const MeshSurface* surface(std::uint32_t triangle) const {
@@ -268,9 +267,13 @@ core::MeshExtrasSlot extras_of(const Facets& facets, const core::Mesh& finer, st
 
 }  // namespace
 
+bool has_curved_faces(const core::Mesh& mesh) {
+  return std::ranges::any_of(core::surfaces_stored_with(mesh), is_curved);
+}
+
 double facet_gap(const core::Mesh& mesh) {
+  if (!has_curved_faces(mesh) || mesh.is_facet_group()) return 0.0;
   const Facets facets(mesh);
-  if (!facets.curved() || mesh.is_facet_group()) return 0.0;
   double gap = 0.0;
   for_each_edge(core::sides_of(mesh), [&](std::span<const MeshSide> sides) {
     if (const auto middle = facets.middle(mesh, sides, std::numeric_limits<double>::infinity()))
@@ -280,8 +283,8 @@ double facet_gap(const core::Mesh& mesh) {
 }
 
 std::optional<core::Mesh> finer_mesh(const core::Mesh& mesh, double tolerance, std::size_t most) {
+  if (!has_curved_faces(mesh) || mesh.is_facet_group()) return std::nullopt;
   Facets facets(mesh);
-  if (!facets.curved() || mesh.is_facet_group()) return std::nullopt;
   std::optional<core::Mesh> finer;
   std::vector<std::uint32_t> part_of;  // by triangle of `finer`: one of `mesh`
   for (int pass = 0; pass < kMostPasses; ++pass) {

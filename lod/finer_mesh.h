@@ -9,6 +9,9 @@
 
 namespace sightline::lod {
 
+/// Whether a file states for some face a surface that facets only approach: neither a plane nor of another kind.
+SIGHTLINE_API bool has_curved_faces(const core::Mesh& mesh);
+
 /// The largest distance between the middle of a triangle's side and the surfaces of its faces (core/mesh_extras.h), in
 /// the mesh's own metres: how far facets lie off them, about. 0 for meshes without curved surfaces. 0.3 us per index.
 SIGHTLINE_API double facet_gap(const core::Mesh& mesh);

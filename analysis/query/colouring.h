@@ -18,7 +18,8 @@
 namespace sightline::query {
 
 struct ColourGroup {
-  std::string label;  ///< a value, "LOW – HIGH" of numbers (with units of @size), "N other values" where several share a colour, or "no value"
+  std::string label;  ///< a value, "LOW – HIGH" of numbers (with units of @size), "N other values" where several share
+                      ///< a colour, or "no value"
   core::vec3 colour{0.0f};  ///< sRGB, 0 to 1
   std::uint32_t items = 0;  ///< at least 1
 };

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <utility>
 
-#include "sightline/core/mesh_extras.h"
 #include "sightline/lod/finer_mesh.h"
 #include "sightline/lod/internal/cut.h"
 
@@ -13,12 +12,6 @@ namespace {
 
 constexpr std::size_t kMostOfMesh = std::size_t(1) << 19, kMostOfAll = std::size_t(1) << 23;  // triangles
 constexpr double kLeastShare = 1e-6;  // of a mesh's size: gaps below that are those of rounded corners
-
-bool has_curved_surfaces(const core::Mesh& mesh) {
-  return std::ranges::any_of(core::surfaces_stored_with(mesh), [](const core::MeshSurface& surface) {
-    return surface.kind != core::MeshSurface::Kind::kOther && surface.kind != core::MeshSurface::Kind::kPlane;
-  });
-}
 
 }  // namespace
 
@@ -36,7 +29,7 @@ bool FinerMeshes::begin(const core::Snapshot& snapshot, const core::View& view, 
     const core::Slot slot = meshes.members[i];
     if (snapshot.vacant(slot)) continue;
     const auto known = gaps_.find(mesh);
-    if (known == gaps_.end() ? !has_curved_surfaces(snapshot.mesh(slot)) : known->second == 0.0) continue;
+    if (known == gaps_.end() ? !lod::has_curved_faces(snapshot.mesh(slot)) : known->second == 0.0) continue;
     const core::AabbD& bounds = snapshot.scene().mesh_bounds(snapshot.scene().mesh_at(mesh));
     const core::Aabb box{core::vec3(bounds.min), core::vec3(bounds.max)};
     const lod::MeshError error(image, snapshot.world_from_item(slot));

@@ -32,8 +32,8 @@ class FinerMeshes {
   /// be of what the scene has now. False where none are needed, and where the last call was for that image.
   bool begin(const core::Snapshot& snapshot, const core::View& view, int width, int height);
   std::size_t count() const { return coarse_of_.size(); }  ///< finer meshes that the scene has
-  bool active() const { return made_.valid(); }  ///< from begin() until finish()
-  bool ready() const;                            ///< finish() would not wait
+  bool active() const { return made_.valid(); }            ///< from begin() until finish()
+  bool ready() const;                                      ///< finish() would not wait
   /// Gives them to the scene's items, which somebody commits. False where nothing has changed.
   bool finish(core::Scene& scene);
   /// Gives all items the meshes that they came with. False where they have them.
@@ -55,7 +55,7 @@ class FinerMeshes {
   std::unordered_map<std::uint32_t, double> gaps_;             // by mesh, once known; 0 where there is no finer one
   std::unordered_map<std::uint32_t, core::MeshId> coarse_of_;  // by finer mesh: what its items came with
   std::size_t triangles_ = 0;                                  // of finer meshes
-  std::optional<core::View> view_;  // of the last begin()
+  std::optional<core::View> view_;                             // of the last begin()
   int height_ = 0;
   std::stop_source stop_;
   std::future<std::vector<Job>> made_;

@@ -23,7 +23,7 @@ class Marking {
 
   const std::vector<Markup>& list() const { return list_; }
   void set(std::vector<Markup> list) {
-    writing_ = false;
+    writing_ = asks_ = false;
     list_ = std::move(list);
   }
   void add(Markup markup) { list_.push_back(std::move(markup)); }
@@ -39,7 +39,6 @@ class Marking {
     writing_ = asks_ = write && markup.words.empty();
     add(std::move(markup));
   }
-  bool writing() const { return writing_; }
   /// Once after draw(): the field for words wants the keyboard.
   bool asks_for_words() { return std::exchange(asks_, false); }
   /// A text without words is gone then.

@@ -65,10 +65,10 @@ struct Workspace {
   void open(const std::vector<std::string>& files, bool lenient = false);
   /// The models of a session; once they are there, they are shown as it says (Workspace::returning).
   void open(SavedSession saved);
-  /// What could not be opened, without what is damaged; warnings name that.
+  /// Opens what could not be opened, without what is damaged; warnings name that.
   void open_damaged();
   bool offers_damaged() const { return !damaged.files.empty() && damaged.message == messages.text(); }
-  /// What is open, as it was read but for the switches that hold now.
+  /// Reads what is open again, as before but for the switches that hold now.
   void read_again();
   std::optional<SavedSession> to_save() const;  ///< none where no model is open
   /// Shows the images of the model that is open as the switches say.

@@ -72,7 +72,7 @@ TEST_F(ViewScript, MarkUpsBelongToViews) {
     EXPECT_EQ(drive(bad, args).code, 1) << bad;
 }
 
-/// What is typed after a mark-up is drawn are its words, not keys of commands.
+/// Words that are typed after a mark-up was drawn are its own, and no keys of commands.
 TEST_F(ViewScript, WordsFollowWhatIsDrawn) {
   expect_driven(
       "front\npress shift+m\nclick 696 125\nclick 400 300\ntype hide 12 <50 mm>\nexpect /markups/last/words = \"hide "
